@@ -7,6 +7,7 @@ mod octree;
 use glam::{Mat4, Vec3};
 
 use crate::gpu::{Pipelines, Recorder, Timing};
+use crate::light::Budget;
 use crate::testing::{
     SceneBuilder, busy_room, device, lambert, moved, read, room_with_a_box, wait_told,
 };
@@ -67,10 +68,11 @@ impl Stage {
     /// One recorded voxelization, submitted and done: the next one knows all that it has found.
     fn voxelize(&mut self, geometry: &Geometry) -> FrameVoxels {
         let mut recorder = Recorder::new(&self.device, &self.queue);
-        let frame = self.gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
+        self.gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
+        let status = self.gi.voxel_status();
         self.submit(recorder);
         wait_told(&self.device, &self.gi);
-        frame
+        status
     }
 
     /// A recorded voxelization that is still to be submitted.
@@ -78,9 +80,9 @@ impl Stage {
         let mut encoder =
             self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut recorder = Recorder::on(&self.device, &self.queue, &mut encoder);
-        let frame = self.gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
+        self.gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
         drop(recorder);
-        (frame, encoder)
+        (self.gi.voxel_status(), encoder)
     }
 
     /// Recorded voxelizations until one is known to be in time.
@@ -112,7 +114,7 @@ impl Stage {
     fn step(&mut self, lights: &Lights, faces: Option<u32>) {
         let mut recorder = Recorder::new(&self.device, &self.queue);
         let settings = TraceSettings::default();
-        self.gi.light_frame(&mut recorder, lights, faces, &settings).expect("valid");
+        self.gi.light_step(&mut recorder, lights, Budget::Faces(faces), &settings);
         self.submit(recorder);
     }
 
@@ -290,7 +292,7 @@ fn check_told(volume: VolumeKind) {
     let (mut stage, sized) = growing(volume);
     stage.catch_up(&sized(0.05));
     let told = |stage: &Stage| {
-        let told = stage.gi.frame_voxels();
+        let told = stage.gi.voxel_status();
         (told.is_late, told.is_pending)
     };
     assert_eq!(told(&stage), (false, false));
@@ -312,7 +314,7 @@ fn check_told(volume: VolumeKind) {
         frames += 1;
         assert!(frames <= 6, "it never has room");
     }
-    let voxels = stage.gi.frame_voxels().voxels;
+    let voxels = stage.gi.voxel_status().voxels;
     assert!(!stage.voxelize(&grown).is_late, "what was told is so");
     assert_eq!(stage.gi.voxels().expect("a list").voxel_count(), voxels);
     // A recording that is not submitted is not shown.
@@ -355,7 +357,7 @@ fn recordings_keep_what_they_were_given() {
             stage.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut recorder = Recorder::on(&stage.device, &stage.queue, &mut encoder);
         stage.gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
-        stage.gi.light_frame(&mut recorder, &lights, None, &settings).expect("valid");
+        stage.gi.light_step(&mut recorder, &lights, Budget::Faces(None), &settings);
         let light = stage.gi.face_radiance().expect("there is light").clone();
         let copy = between.get_or_insert_with(|| {
             crate::gpu::storage_buffer(&stage.device, "between", light.size())
@@ -512,7 +514,7 @@ fn what_has_settled_costs_nothing() {
         let mut recorder =
             Recorder::with_timing(&stage.device, &stage.queue, Timing::SubmitAndWait);
         let settings = TraceSettings::default();
-        stage.gi.light_frame(&mut recorder, lights, None, &settings).expect("valid");
+        stage.gi.light_step(&mut recorder, lights, Budget::Faces(None), &settings);
         pollster::block_on(recorder.finish()).expect("the device works").len()
     };
     assert!(passes(&mut stage, &lights) > 0);

@@ -13,12 +13,12 @@ use crate::cones::TraceSettings;
 use crate::emitters::Emitters;
 use crate::environment::{EnvironmentLight, EnvironmentMap};
 use crate::gpu::{Buffer, Pipelines, Recorder, ShaderLibrary, StageTime, Timing};
-use crate::light::{Light, Lighting, Lights, ShadowSource, lights_layout};
+use crate::light::{Budget, Light, Lighting, Lights, ShadowSource, lights_layout};
 use crate::points::PointGatherer;
 use crate::trace::{Tracer, gbuffer_layout};
-use crate::volume::changes::{ChangedCells, Changes};
-use crate::volume::{Followed, Volume};
-use crate::voxelize::{Taken, VoxelizeStats, VoxelizedScene, Voxelizer, known};
+use crate::volume::Volume;
+use crate::volume::changes::Changes;
+use crate::voxelize::{VoxelizeStats, VoxelizedScene, Voxelizer, known};
 use crate::{Geometry, GiError};
 pub use config::GiConfig;
 pub use frame::{Frame, FrameStatus};
@@ -296,18 +296,17 @@ impl Gi {
             loop {
                 self.voxelize_frame(&mut recorder, geometry)?;
                 self.scene.refuse_nothing(geometry)?;
-                let voxels = || self.frame_voxels();
-                if !known(&mut recorder, &self.scene, voxels).await?.is_late {
+                let status = || self.voxel_status();
+                if !known(&mut recorder, &self.scene, status).await?.is_late {
                     break;
                 }
             }
             (self.geometry, self.is_refused) = (Some(geometry.version()), false);
-            let Self { voxelizer, scene, volume, .. } = self;
+            let Self { voxelizer, scene, .. } = self;
             let stats = voxelizer.complete(&mut recorder, scene, geometry, is_reused).await?;
-            let has_moving = scene.has_moving();
-            volume.hear(&mut recorder, has_moving)?;
-            if !has_moving {
-                volume.trim();
+            self.grow_octree(&mut recorder)?;
+            if let Some(octree) = self.volume.octree_mut().filter(|_| !self.scene.has_moving()) {
+                octree.trim();
             }
             Ok(Voxelized { stats, times: recorder.finish().await? })
         })
@@ -317,7 +316,7 @@ impl Gi {
     /// Queues the kernels that a geometry needs for
     /// [`Pipelines::compile`](crate::gpu::Pipelines::compile): without bounces only those of direct
     /// light, with `in_frames` also those that only [`Self::frame`] runs. All others are
-    /// compiled on first use. Call it after [`Self::targets`].
+    /// compiled on first use. Call it after [`Self::view`].
     pub fn prepare(&self, geometry: &Geometry, bounces: u32, in_frames: bool) {
         let has_emitters = self.draws_emitters() && Emitters::are_in(geometry);
         if has_emitters {
@@ -346,30 +345,6 @@ impl Gi {
             self.volume.bind_emitters(&self.device, self.emitters.list());
         }
         Ok(())
-    }
-
-    /// Updates light and volume after a list was committed.
-    fn follow_taken(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
-        self.lighting.inherit(recorder);
-        self.emitters.rest(recorder);
-        self.volume.join_missed(recorder, self.scene.changed());
-        self.changes.wrong(recorder, self.volume.clears_cells());
-        if let Some(list) = self.scene.list() {
-            self.lighting.take(&self.device, list);
-        }
-        match self.followed() {
-            Some((volume, followed, wrong)) => volume.follow(recorder, followed, wrong),
-            None => Ok(()),
-        }
-    }
-
-    /// The volume, the list that it shows, and the cells whose surface has changed.
-    fn followed(&mut self) -> Option<(&mut Volume, Followed<'_>, &ChangedCells)> {
-        let Self { scene, volume, changes, lighting, .. } = self;
-        let (voxels, bits) = (scene.list()?, scene.changed());
-        let ([changed, wrong], shown) = changes.cells().zip(lighting.shown())?;
-        let followed = Followed { voxels, radiance: shown.now, changed, bits };
-        Some((volume, followed, wrong))
     }
 
     /// Binds lights for [`Self::light`] and [`Self::trace`]. `environment` is what lies outside the
@@ -447,10 +422,7 @@ impl Gi {
     ) -> Result<(), GiError> {
         settings.validate()?;
         self.bounces = bounces;
-        let volume = (&mut self.volume, &mut self.changes);
-        let cones = (settings, self.cone_values);
-        self.lighting.solve(recorder, volume, (lights, &self.emitters), bounces, cones);
-        self.content += 1;
+        self.light_step(recorder, lights, Budget::Bounces(bounces), settings);
         Ok(())
     }
 
@@ -475,23 +447,6 @@ impl Gi {
     /// removed ones.
     pub fn changed_cells(&self) -> Option<&Buffer> {
         self.changes.bits()
-    }
-}
-
-/// Binds light, changes and volume to a list that is about to be committed.
-fn follow(
-    device: &Pipelines,
-    recorder: &mut Recorder<'_>,
-    taken: Taken<'_>,
-    (lighting, changes, volume): (&mut Lighting, &mut Changes, &mut Volume),
-) {
-    if !lighting.follow(recorder, taken) {
-        return;
-    }
-    let Some(shown) = lighting.shown() else { return };
-    changes.bind(device, taken.replaced, taken.list, (shown, lighting.has_emission()));
-    if let Some(cells) = changes.cells() {
-        volume.bind(device, (taken.list, shown.now), cells);
     }
 }
 

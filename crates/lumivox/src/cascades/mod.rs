@@ -27,7 +27,7 @@
 //!
 //! Cascades are centered on a given place ([`Gi::center_on`](crate::Gi::center_on)). Voxels of
 //! moved boxes are built while the old list stays in use. They replace it a few frames later and
-//! inherit the light that the same voxels have gathered so far (`light/inherit.wgsl`). Static
+//! inherit the light that the same voxels have gathered so far (`light/copy_replaced.wgsl`). Static
 //! surfaces are walked only where they have entered a box (`walked.rs`); elsewhere their sums are
 //! kept (`voxelize/keep.wgsl`). A box moves along one axis at a time, so what enters it is a slab.
 //! If draws are added or removed, only the boxes around them are walked. Only faces of new voxels

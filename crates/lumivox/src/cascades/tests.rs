@@ -9,6 +9,7 @@ use glam::{IVec3, Mat4, UVec3, Vec3};
 
 use super::{CascadeOptions, STRIDE};
 use crate::gpu::{Recorder, Timing};
+use crate::light::Budget;
 use crate::testing::{SceneBuilder, busy_room, device, lambert, morton_decode, read, wait_told};
 use crate::voxelize::FrameVoxels;
 use crate::voxels::{FaceRecord, NodeRecord};
@@ -56,12 +57,13 @@ impl Lit {
     fn frame(&mut self, geometry: &Geometry) -> FrameVoxels {
         let (device, queue) = device();
         let mut recorder = Recorder::new(&device, &queue);
-        let voxels = self.gi.voxelize_frame(&mut recorder, geometry).expect("there is room");
+        self.gi.voxelize_frame(&mut recorder, geometry).expect("there is room");
+        let status = self.gi.voxel_status();
         let settings = TraceSettings::default();
-        self.gi.light_frame(&mut recorder, &self.lights, None, &settings).expect("valid");
+        self.gi.light_step(&mut recorder, &self.lights, Budget::Faces(None), &settings);
         recorder.submit();
         wait_told(&device, &self.gi);
-        voxels
+        status
     }
 
     /// Records frames until the boxes are around a place and all their voxels are known; returns
@@ -419,7 +421,7 @@ fn moved_boxes_arrive_at_those_of_a_new_clipmap() {
     }
     for _ in 0..40 {
         let mut recorder = Recorder::new(&device, &queue);
-        lit.gi.light_frame(&mut recorder, &lit.lights, None, &settings).expect("valid");
+        lit.gi.light_step(&mut recorder, &lit.lights, Budget::Faces(None), &settings);
         recorder.submit();
     }
     let (settled, expected) = (lit.gather(&points, 8), fresh.gather(&points, 8));

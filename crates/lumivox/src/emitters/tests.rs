@@ -6,6 +6,7 @@ use glam::{Mat4, Vec2, Vec3};
 
 use super::EmitterRecord;
 use crate::gpu::{Buffer, Pipelines, Recorder, Timing};
+use crate::light::Budget;
 use crate::testing::{SceneBuilder, device, lambert, read, wait_told};
 use crate::{
     Draw, GatherSettings, Geometry, GeometryBatch, Gi, GiConfig, Grid, Lights, OctreeOptions,
@@ -465,7 +466,7 @@ fn lamps_have_the_same_bits_wherever_they_come_from() {
             let mut recorder = Recorder::new(&lab.device, &lab.queue);
             lab.gi.voxelize_frame(&mut recorder, &geometry).expect("there is room");
             let settings = TraceSettings::default();
-            lab.gi.light_frame(&mut recorder, &lab.lights, None, &settings).expect("valid");
+            lab.gi.light_step(&mut recorder, &lab.lights, Budget::Faces(None), &settings);
             recorder.submit();
             wait_told(&lab.device, &lab.gi);
         }

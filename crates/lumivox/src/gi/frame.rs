@@ -1,12 +1,12 @@
 //! A frame of an engine, which never waits for the GPU.
 
-use super::place::move_to;
-use super::{Gi, follow};
+use super::Gi;
 use crate::cones::TraceSettings;
 use crate::emitters::Emitters;
 use crate::gpu::Recorder;
-use crate::light::Lights;
-use crate::voxelize::{FrameVoxels, Taken};
+use crate::light::{Budget, Lights, Lit};
+use crate::volume::{OctreeVolume, ShownList};
+use crate::voxelize::FrameVoxels;
 use crate::{Geometry, GiError};
 
 /// The inputs of [`Gi::frame`].
@@ -136,19 +136,21 @@ impl Gi {
     ) -> Result<FrameStatus, GiError> {
         frame.settings.validate()?;
         if let Some(geometry) = frame.geometry {
-            let voxelized = self.follow_geometry(recorder, geometry);
+            let voxelized = self.update_voxels(recorder, geometry);
             self.is_refused |= voxelized.is_err();
             voxelized?;
         }
         if let Some(lights) = frame.lights {
             recorder.stage("light");
-            self.light_frame(recorder, lights, frame.faces_per_frame, frame.settings)?;
+            self.bounces = u32::MAX;
+            let budget = Budget::Faces(frame.faces_per_frame);
+            self.light_step(recorder, lights, budget, frame.settings);
         }
         Ok(self.status())
     }
 
     /// Applies read-backs, and voxelizes if something has changed or is late.
-    fn follow_geometry(
+    fn update_voxels(
         &mut self,
         recorder: &mut Recorder<'_>,
         geometry: &Geometry,
@@ -156,10 +158,10 @@ impl Gi {
         let is_new = self.geometry.replace(geometry.version()) != Some(geometry.version());
         self.is_refused &= !is_new;
         self.voxelizer.read_back(recorder, &mut self.scene)?;
-        let has_grown = self.volume.hear(recorder, self.scene.has_moving())?;
+        let has_grown = self.grow_octree(recorder)?;
         let mut voxelized = Ok(());
-        if is_new || (self.frame_voxels().is_late && !self.is_refused) {
-            voxelized = self.voxelize_frame(recorder, geometry).map(drop);
+        if is_new || (self.voxel_status().is_late && !self.is_refused) {
+            voxelized = self.voxelize_frame(recorder, geometry);
         }
         if has_grown && (self.is_refused || voxelized.is_err()) {
             // The volume has to show the last list in its new buffers.
@@ -170,10 +172,17 @@ impl Gi {
         voxelized
     }
 
+    /// Grows an octree's buffers that overflowed, as far as read-backs have arrived. Returns `true`
+    /// if they have grown, and the list must be shown again before anything else.
+    pub(super) fn grow_octree(&mut self, recorder: &mut Recorder<'_>) -> Result<bool, GiError> {
+        let has_moving = self.scene.has_moving();
+        self.volume.octree_mut().map_or(Ok(false), |octree| octree.grow(recorder, has_moving))
+    }
+
     /// How far voxels and light have followed the last call of [`Self::frame`]. It records nothing
     /// and does not wait.
     pub fn status(&self) -> FrameStatus {
-        let FrameVoxels { is_late, is_pending, voxels, faces } = self.frame_voxels();
+        let FrameVoxels { is_late, is_pending, voxels, faces } = self.voxel_status();
         let is_refused = self.is_refused;
         let is_late = is_late && !is_refused;
         let frames_left = self.lighting.frames_left();
@@ -185,69 +194,86 @@ impl Gi {
         &mut self,
         recorder: &mut Recorder<'_>,
         geometry: &Geometry,
-    ) -> Result<FrameVoxels, GiError> {
+    ) -> Result<(), GiError> {
         self.changes.begin(recorder);
-        self.volume.hear(recorder, self.scene.has_moving())?;
+        self.grow_octree(recorder)?;
         self.lighting.expect_emission(self.draws_emitters() && Emitters::are_in(geometry));
-        let Self { device, voxelizer, scene, volume, changes, lighting, emitters, config, .. } =
-            self;
-        let mut is_taken = false;
-        let follow = &mut |recorder: &mut Recorder<'_>, taken: Taken<'_>| {
-            is_taken = true;
-            move_to(device, &taken, config, (&mut *lighting, &mut *volume, emitters.list()));
-            follow(device, recorder, taken, (&mut *lighting, &mut *changes, &mut *volume));
-        };
-        let mut frame = voxelizer.record(recorder, scene, geometry, follow)?;
-        if !is_taken && self.volume.is_late() {
-            // The list has not changed, but the volume does not show it yet.
-            self.lighting.disturb();
-            is_taken = true;
-        }
+        self.voxelizer.record(recorder, &mut self.scene, geometry)?;
+        let is_committed = self.commit_list(recorder);
         self.list_emitters(recorder, geometry)?;
-        if is_taken {
+        if is_committed {
+            return self.show_list(recorder);
+        }
+        if self.volume.octree().is_some_and(OctreeVolume::is_late) {
+            // The list has not changed, but the octree does not show it yet.
+            self.lighting.disturb();
             self.show_list(recorder)?;
         }
-        frame.is_late |= self.volume.is_late();
-        frame.is_pending |= self.volume.told()[1];
-        Ok(frame)
+        Ok(())
+    }
+
+    /// Commits the list that was collected, if any, and binds light, changes and volume to it.
+    fn commit_list(&mut self, recorder: &mut Recorder<'_>) -> bool {
+        let Self { device, voxelizer, scene, volume, changes, lighting, emitters, config, .. } =
+            self;
+        let Some(next) = scene.collected() else { return false };
+        if config.grid != *next.grid {
+            config.grid = *next.grid;
+            lighting.move_to(device, next.grid);
+            volume.move_to(device, next.grid, emitters.list());
+        }
+        let is_bound_anew = lighting.bind(recorder, next);
+        if let Some(shown) = lighting.shown().filter(|_| is_bound_anew) {
+            changes.bind(device, next.replaced, next.list, (shown, lighting.has_emission()));
+            if let Some(cells) = changes.cells() {
+                volume.bind(device, (next.list, shown.now), cells);
+            }
+        }
+        voxelizer.commit(recorder, scene);
+        true
     }
 
     /// Shows the list of voxels to cones.
     fn show_list(&mut self, recorder: &mut Recorder<'_>) -> Result<(), GiError> {
         self.content += 1;
-        self.follow_taken(recorder)?;
-        self.volume.tell(recorder);
-        Ok(())
+        self.lighting.copy_replaced(recorder);
+        self.emitters.rest(recorder);
+        let Self { scene, volume, changes, lighting, device, .. } = self;
+        if let Some(octree) = volume.octree_mut() {
+            octree.join_missed(recorder, scene.changed());
+        }
+        changes.wrong(recorder, volume.clears_cells());
+        let Some(voxels) = scene.list() else { return Ok(()) };
+        lighting.set_list(device, voxels);
+        let Some(([changed, wrong], shown)) = changes.cells().zip(lighting.shown()) else {
+            return Ok(());
+        };
+        let shown = ShownList { voxels, radiance: shown.now, changed, bits: scene.changed() };
+        volume.show(recorder, shown, wrong)
     }
 
-    /// The state of the last call of [`Self::voxelize_frame`], from the results that have been read
-    /// back.
-    pub(crate) fn frame_voxels(&self) -> FrameVoxels {
+    /// How far the voxels have followed, from the results that have been read back.
+    pub(crate) fn voxel_status(&self) -> FrameVoxels {
         // A lost device is reported elsewhere.
         let _ = self.device.poll(wgpu::PollType::Poll);
-        let mut frame = self.scene.told();
-        let [is_late, is_pending] = self.volume.told();
-        frame.is_late |= is_late;
-        frame.is_pending |= is_pending;
-        frame
+        let mut status = self.scene.status();
+        if let Some(overflowed) = self.volume.octree().and_then(OctreeVolume::status) {
+            status.is_late |= overflowed.is_late;
+            status.is_pending |= overflowed.is_pending;
+        }
+        status
     }
 
-    /// Continues the light of the voxels by one gather of at most `faces_per_frame` faces.
-    pub(crate) fn light_frame(
+    /// Records a step of the voxels' light.
+    pub(crate) fn light_step(
         &mut self,
         recorder: &mut Recorder<'_>,
         lights: &Lights,
-        faces_per_frame: Option<u32>,
+        budget: Budget,
         settings: &TraceSettings,
-    ) -> Result<(), GiError> {
-        settings.validate()?;
-        self.bounces = u32::MAX;
-        let volume = (&mut self.volume, &mut self.changes);
-        let cones = (settings, self.cone_values);
-        let lights = (lights, &*self.emitters);
-        if self.lighting.step(recorder, volume, lights, faces_per_frame, cones) {
-            self.content += 1;
-        }
-        Ok(())
+    ) {
+        let Self { volume, changes, lighting, emitters, .. } = self;
+        let lit = Lit { volume, changes, lights, emitters, cones: (settings, self.cone_values) };
+        self.content += u64::from(lighting.step(recorder, lit, budget));
     }
 }

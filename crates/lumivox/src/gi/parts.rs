@@ -8,7 +8,7 @@ use crate::gpu::{BindGroup, Buffer, Pipelines, ShaderLibrary};
 use crate::light::Injector;
 #[cfg(test)]
 use crate::volume::CellVolume;
-use crate::volume::OctreeStats;
+use crate::volume::{OctreeStats, OctreeVolume};
 use crate::voxels::VoxelList;
 
 impl Gi {
@@ -63,7 +63,7 @@ impl Gi {
 
     /// Statistics of the octree; `None` for other volumes, and before there are voxels.
     pub fn octree_stats(&self) -> Option<OctreeStats> {
-        self.volume.octree_stats()
+        self.volume.octree().and_then(OctreeVolume::stats)
     }
 
     #[cfg(test)]

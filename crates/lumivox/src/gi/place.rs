@@ -1,11 +1,7 @@
 //! Moves a clipmap's boxes with a camera.
 
-use super::{Gi, GiConfig};
+use super::Gi;
 use crate::GiError;
-use crate::gpu::{Buffer, Pipelines};
-use crate::light::Lighting;
-use crate::volume::Volume;
-use crate::voxelize::Taken;
 
 impl Gi {
     /// Centres the boxes of a clipmap ([`Grid::cascades`](crate::Grid::cascades)) on a place in the
@@ -31,21 +27,6 @@ impl Gi {
     pub(crate) fn static_items(&self) -> u64 {
         self.scene.static_items()
     }
-}
-
-/// Moves light and volume to the grid of a list that is about to be committed.
-pub(super) fn move_to(
-    device: &Pipelines,
-    taken: &Taken<'_>,
-    config: &mut GiConfig,
-    (lighting, volume, emitters): (&mut Lighting, &mut Volume, &Buffer),
-) {
-    if config.grid == *taken.grid {
-        return;
-    }
-    config.grid = *taken.grid;
-    lighting.move_to(device, taken.grid);
-    volume.move_to(device, taken.grid, emitters);
 }
 
 /// Refuses a caller's own method with cascades: such methods handle only one box.

@@ -12,11 +12,11 @@ const PENDING: u8 = 0;
 const MAPPED: u8 = 1;
 const FAILED: u8 = 2;
 
-/// A buffer that is read back repeatedly.
-#[derive(Debug)]
+/// A buffer that is read back repeatedly, always the same number of bytes.
+#[derive(Debug, Default)]
 pub(crate) struct LateReads {
+    /// Created by the first read.
     slots: Vec<Slot>,
-    bytes: u64,
     /// The number of the last recorded read.
     recorded: u64,
     /// The number of the newest read that [`Self::latest`] has returned.
@@ -43,6 +43,16 @@ struct Slot {
 }
 
 impl Slot {
+    fn new(device: &wgpu::Device, bytes: u64) -> Self {
+        let descriptor = wgpu::BufferDescriptor {
+            label: Some("late read"),
+            size: bytes,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        };
+        Self { buffer: Buffer::new(device, &descriptor), state: None, number: 0 }
+    }
+
     fn is_mapped(&self) -> bool {
         self.state.as_ref().is_some_and(|state| state.load(Ordering::Acquire) == MAPPED)
     }
@@ -56,24 +66,12 @@ impl Slot {
 }
 
 impl LateReads {
-    /// `bytes` is the size of each read.
-    pub fn new(device: &wgpu::Device, bytes: u64) -> Self {
-        let slot = |_| {
-            let descriptor = wgpu::BufferDescriptor {
-                label: Some("late read"),
-                size: bytes,
-                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            };
-            Slot { buffer: Buffer::new(device, &descriptor), state: None, number: 0 }
-        };
-        Self { slots: (0..SLOTS).map(slot).collect(), bytes, recorded: 0, returned: 0 }
-    }
-
     /// Records a read of parts of buffers, concatenated: a buffer, an offset and a size in bytes
     /// for each part.
     pub fn record(&mut self, recorder: &mut Recorder<'_>, sources: &[(&Buffer, u64, u64)]) {
         self.recorded += 1;
+        let bytes = sources.iter().map(|source| source.2).sum();
+        self.slots.resize_with(SLOTS, || Slot::new(recorder.device(), bytes));
         // Slots with dropped encoders are free again.
         for slot in &mut self.slots {
             let is_lost = |state: &Arc<AtomicU8>| {
@@ -87,7 +85,7 @@ impl LateReads {
             recorder.copy((*buffer, *from), (&slot.buffer, place), *bytes);
             place += bytes;
         }
-        debug_assert_eq!(place, self.bytes);
+        debug_assert_eq!(place, slot.buffer.size());
         let state = Arc::new(AtomicU8::new(PENDING));
         slot.state = Some(state.clone());
         slot.number = self.recorded;
@@ -152,6 +150,55 @@ impl LateReads {
     }
 }
 
+/// Read-backs of the counts of passes that do nothing if a buffer is too small: the first word is
+/// nonzero then.
+#[derive(Debug, Default)]
+pub(crate) struct OverflowReads {
+    reads: LateReads,
+    /// `true` if the last counts that [`Self::latest`] has returned fitted.
+    fits: bool,
+}
+
+/// Whether the passes of [`OverflowReads`] have overflowed, as far as it is known.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Overflowed {
+    /// `true` after an overflow, and as long as nothing is known.
+    pub is_late: bool,
+    /// `true` if the last read has not arrived; `is_late` then describes an earlier one.
+    pub is_pending: bool,
+}
+
+impl OverflowReads {
+    /// Records a read, as [`LateReads::record`].
+    pub fn record(&mut self, recorder: &mut Recorder<'_>, sources: &[(&Buffer, u64, u64)]) {
+        self.reads.record(recorder, sources);
+    }
+
+    /// The newest counts, as [`LateReads::latest`].
+    pub fn latest(&mut self, device: &wgpu::Device) -> Option<Vec<u32>> {
+        let words = self.reads.latest(device)?;
+        self.fits = words[0] == 0;
+        Some(words)
+    }
+
+    /// Whether the last counts that [`Self::latest`] has returned did not fit.
+    pub fn is_late(&self) -> bool {
+        !self.fits
+    }
+
+    /// Whether they fit by the counts that have arrived, and those that [`Self::latest`] would
+    /// return. The caller must poll the device first.
+    pub fn peek(&self) -> (Overflowed, Option<Vec<u32>>) {
+        let (last, words) = self.reads.peek();
+        let is_late = match (last, &words) {
+            (LastRead::Lost, _) => true,
+            (_, Some(words)) => words[0] != 0,
+            (_, None) => self.is_late(),
+        };
+        (Overflowed { is_late, is_pending: last == LastRead::Pending }, words)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -173,7 +220,7 @@ mod tests {
 
         fn on((device, queue): (crate::gpu::Pipelines, wgpu::Queue)) -> Self {
             let buffer = storage_buffer(&device, "word", 4);
-            let reads = LateReads::new(&device, 4);
+            let reads = LateReads::default();
             Self { device, queue, buffer, reads }
         }
 

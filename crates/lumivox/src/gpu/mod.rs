@@ -24,7 +24,7 @@ pub use buffers::{
 pub use indirect::{BoundIndirect, Indirect, Run};
 pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
-pub(crate) use late::{LastRead, LateReads};
+pub(crate) use late::{LastRead, LateReads, OverflowReads, Overflowed};
 pub use lumivox_wgsl::{ShaderError, ShaderLibrary};
 pub use memory::{Memory, Remedy};
 pub use open::open_device;

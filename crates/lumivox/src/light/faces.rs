@@ -7,7 +7,7 @@ use crate::gpu::{
     ShaderLibrary, storage_buffer,
 };
 use crate::volume::changes::Shown;
-use crate::voxelize::{Moving, Taken};
+use crate::voxelize::{Collected, Moving};
 use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList};
 
 /// Bytes of the hits of a face: `HIT_WORDS` of `turn.wgsl`.
@@ -23,9 +23,9 @@ pub(super) struct LightKernels {
     bounce_layout: wgpu::BindGroupLayout,
     reflect_layout: wgpu::BindGroupLayout,
     show_layout: wgpu::BindGroupLayout,
-    follow_layout: wgpu::BindGroupLayout,
+    move_light_layout: wgpu::BindGroupLayout,
     settle_layout: wgpu::BindGroupLayout,
-    inherit_layout: wgpu::BindGroupLayout,
+    copy_layout: wgpu::BindGroupLayout,
     /// `None` if cones march.
     find: Option<[Kernel; 2]>,
     far: Option<FarKernels>,
@@ -34,9 +34,9 @@ pub(super) struct LightKernels {
     reflect: Kernel,
     show: Kernel,
     show_without_emission: Kernel,
-    follow: Kernel,
+    move_light: Kernel,
     settle: Kernel,
-    inherit: Kernel,
+    copy_replaced: Kernel,
 }
 
 /// The kernels of light from afar.
@@ -87,9 +87,9 @@ impl LightKernels {
         let bounce_layout = layout(2, 1, 2, "bounce");
         let reflect_layout = layout(1, 3, 1, "reflect");
         let show_layout = layout(1, 2, 1, "show");
-        let follow_layout = layout(1, 6, 2, "follow");
+        let move_light_layout = layout(1, 6, 2, "move light");
         let settle_layout = layout(2, 2, 2, "settle");
-        let inherit_layout = layout(0, 6, 1, "inherit");
+        let copy_layout = layout(0, 6, 1, "copy replaced light");
         let kernel = |module, layout| Kernel::new(device, shaders, module, "main", &[grid, layout]);
         // One kernel for the faces whose turn it is, and one for those that have never gathered.
         let gather = |module| {
@@ -127,15 +127,15 @@ impl LightKernels {
             reflect: kernel("light::reflect", &reflect_layout)?,
             show,
             show_without_emission,
-            follow: kernel("light::follow", &follow_layout)?,
+            move_light: kernel("light::move_light", &move_light_layout)?,
             settle: kernel("light::settle", &settle_layout)?,
-            inherit: kernel("light::inherit", &inherit_layout)?,
+            copy_replaced: kernel("light::copy_replaced", &copy_layout)?,
             bounce_layout,
             reflect_layout,
             show_layout,
-            follow_layout,
+            move_light_layout,
             settle_layout,
-            inherit_layout,
+            copy_layout,
         })
     }
 
@@ -224,18 +224,18 @@ impl LightKernels {
     }
 
     /// Before a list is committed: moves the light of faces whose place in the list changes.
-    pub fn follow(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
-        recorder.compute("light::follow", |pass| {
+    pub fn move_light(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
+        recorder.compute("light::move_light", |pass| {
             let voxels = faces.moving_voxels;
-            self.follow.dispatch_linear(pass, &[grid, &faces.follow], voxels);
+            self.move_light.dispatch_linear(pass, &[grid, &faces.move_light], voxels);
             self.settle.dispatch_linear(pass, &[grid, &faces.settle], faces.moving_capacity);
         });
     }
 
     /// After a list was committed: copies light from the faces of the list that it replaced.
-    pub fn inherit(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &mut Faces) {
-        if let Some(group) = faces.inherit.take() {
-            self.inherit.run_linear(recorder, &[grid, &group], faces.capacity);
+    pub fn copy_replaced(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &mut Faces) {
+        if let Some(group) = faces.replaced.take() {
+            self.copy_replaced.run_linear(recorder, &[grid, &group], faces.capacity);
         }
     }
 }
@@ -293,10 +293,10 @@ pub(super) struct Faces {
     bounce: BindGroup,
     reflect: BindGroup,
     show: BindGroup,
-    follow: BindGroup,
+    move_light: BindGroup,
     settle: BindGroup,
     /// Used once, to copy light from a list that was replaced.
-    inherit: Option<BindGroup>,
+    replaced: Option<BindGroup>,
 }
 
 /// Far light.
@@ -344,7 +344,7 @@ impl Faces {
         recorder: &mut Recorder<'_>,
         kernels: &LightKernels,
         settings: &Buffer,
-        (Taken { list, replaced, moving, .. }, has_emission): (Taken<'_>, bool),
+        (Collected { list, replaced, moving, .. }, has_emission): (Collected<'_>, bool),
         earlier: Option<Self>,
     ) -> Self {
         let device = recorder.device().clone();
@@ -359,7 +359,7 @@ impl Faces {
             }
             return faces;
         };
-        let inherit = BindGroupBuilder::new(&kernels.inherit_layout)
+        let group = BindGroupBuilder::new(&kernels.copy_layout)
             .buffer(&list.faces)
             .buffer(&old.occupancy)
             .buffer(&old.ranks)
@@ -367,8 +367,8 @@ impl Faces {
             .buffer(&old.faces)
             .buffer(&earlier.irradiance)
             .buffer(&faces.irradiance)
-            .build(&device, "inherit");
-        Self { inherit: Some(inherit), ..faces }
+            .build(&device, "copy replaced light");
+        Self { replaced: Some(group), ..faces }
     }
 
     fn bound(
@@ -416,7 +416,7 @@ impl Faces {
             .buffer(&radiance)
             .buffer(&shown)
             .build(device, "show");
-        let follow = BindGroupBuilder::new(&kernels.follow_layout)
+        let move_light = BindGroupBuilder::new(&kernels.move_light_layout)
             .buffer(moving.verdict)
             .buffer(moving.united_faces)
             .buffer(moving.faces)
@@ -426,7 +426,7 @@ impl Faces {
             .buffer(&held)
             .buffer(&moving_irradiance)
             .buffer(&moving_held)
-            .build(device, "follow");
+            .build(device, "move light");
         let settle = BindGroupBuilder::new(&kernels.settle_layout)
             .buffer(moving.verdict)
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
@@ -454,16 +454,16 @@ impl Faces {
             bounce,
             reflect,
             show,
-            follow,
+            move_light,
             settle,
-            inherit: None,
+            replaced: None,
         }
     }
 
     /// `true` if it is bound to the buffers of a list that is about to be committed, and has
     /// buffers for emission if there are emitters.
-    pub fn is_of(&self, taken: &Taken<'_>, has_emission: bool) -> bool {
-        self.list.each_ref() == [&taken.list.faces, taken.moving.faces]
+    pub fn is_of(&self, next: &Collected<'_>, has_emission: bool) -> bool {
+        self.list.each_ref() == [&next.list.faces, next.moving.faces]
             && self.has_emission == has_emission
     }
 
@@ -479,8 +479,8 @@ impl Faces {
     }
 
     /// `true` if light has to be copied from a list that was replaced.
-    pub fn is_inheriting(&self) -> bool {
-        self.inherit.is_some()
+    pub fn has_replaced(&self) -> bool {
+        self.replaced.is_some()
     }
 
     /// Maximum number of faces.

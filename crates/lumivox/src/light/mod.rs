@@ -8,9 +8,9 @@
 //! caller's own [`Injection`] replaces the direct evaluation.
 //!
 //! The irradiance that faces have gathered is kept. A still image starts from darkness and gathers
-//! once for each bounce ([`Lighting::solve`]); a frame continues from the previous frame
-//! ([`Lighting::step`]), so that light travels one bounce a frame, and converges to the same
-//! result.
+//! once for each bounce ([`Budget::Bounces`]); a frame continues from the previous frame
+//! ([`Budget::Faces`]), so that light travels one bounce a frame, and converges to the same result.
+//! Both are the same steps ([`Lighting::step`]).
 
 mod faces;
 mod injection;
@@ -29,7 +29,7 @@ use crate::gpu::{
 };
 use crate::volume::Volume;
 use crate::volume::changes::{Changes, Shown};
-use crate::voxelize::Taken;
+use crate::voxelize::Collected;
 use crate::voxels::VoxelList;
 use crate::{GiConfig, GiError, Grid};
 
@@ -62,6 +62,27 @@ pub(crate) struct BounceSettings {
     pub(crate) is_list_new: u32,
     pub(crate) rays_anew: u32,
     pub(crate) padding: u32,
+}
+
+/// How much light [`Lighting::step`] computes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Budget {
+    /// All light from darkness: direct light, then a gather for each bounce except the last, which
+    /// pixels do.
+    Bounces(u32),
+    /// One gather of at most so many faces, which continues from the light so far. `None`: all
+    /// faces; with cascades, those of coarse ones less often.
+    Faces(Option<u32>),
+}
+
+/// The inputs of [`Lighting::step`], and the volume that shows the light.
+pub(crate) struct Lit<'a> {
+    pub(crate) volume: &'a Volume,
+    pub(crate) changes: &'a mut Changes,
+    pub(crate) lights: &'a Lights,
+    pub(crate) emitters: &'a Emitters,
+    /// The cones, and the values of a caller's model.
+    pub(crate) cones: (&'a TraceSettings, [f32; 4]),
 }
 
 /// Lights the faces of a voxel list.
@@ -153,21 +174,21 @@ impl Lighting {
 
     /// Moves the light of faces to a list that is about to be committed. Returns `true` if it is
     /// bound to new buffers.
-    pub(crate) fn follow(&mut self, recorder: &mut Recorder<'_>, taken: Taken<'_>) -> bool {
+    pub(crate) fn bind(&mut self, recorder: &mut Recorder<'_>, next: Collected<'_>) -> bool {
         self.turns.surface_moved();
         self.is_lit = false;
         self.has_moved = true;
-        if self.faces.as_ref().is_some_and(|faces| faces.is_of(&taken, self.has_emission)) {
+        if self.faces.as_ref().is_some_and(|faces| faces.is_of(&next, self.has_emission)) {
             if let Some(faces) = &self.faces {
-                self.kernels.follow(recorder, &self.grid, faces);
+                self.kernels.move_light(recorder, &self.grid, faces);
             }
             return false;
         }
         let earlier = self.faces.take();
-        let taken = (taken, self.has_emission);
-        let faces = Faces::new(recorder, &self.kernels, self.settings.buffer(), taken, earlier);
-        self.kernels.follow(recorder, &self.grid, &faces);
-        if faces.is_inheriting() {
+        let next = (next, self.has_emission);
+        let faces = Faces::new(recorder, &self.kernels, self.settings.buffer(), next, earlier);
+        self.kernels.move_light(recorder, &self.grid, &faces);
+        if faces.has_replaced() {
             // Faces that were not in the previous list have gathered nothing.
             self.turns.gather_fresh();
         }
@@ -176,9 +197,9 @@ impl Lighting {
     }
 
     /// After a list was committed: copies light from the list that it replaced.
-    pub(crate) fn inherit(&mut self, recorder: &mut Recorder<'_>) {
+    pub(crate) fn copy_replaced(&mut self, recorder: &mut Recorder<'_>) {
         if let Some(faces) = &mut self.faces {
-            self.kernels.inherit(recorder, &self.grid, faces);
+            self.kernels.copy_replaced(recorder, &self.grid, faces);
         }
     }
 
@@ -238,7 +259,7 @@ impl Lighting {
     }
 
     /// Passes the list to the caller's injector, if there is one.
-    pub(crate) fn take(&mut self, device: &Pipelines, voxels: &VoxelList) {
+    pub(crate) fn set_list(&mut self, device: &Pipelines, voxels: &VoxelList) {
         if let Direct::Own(injector) = &mut self.direct {
             injector.take(device, voxels);
         }
@@ -249,92 +270,36 @@ impl Lighting {
         self.faces.as_ref().map(Faces::shown)
     }
 
-    /// Starts from darkness: direct light, then a gather for each bounce except the last, which
-    /// pixels do.
-    ///
-    /// Without bounces, unchanged faces are not stored again. With them nearly everything changes
-    /// in every gather, and looking for unchanged faces would cost more than it saves.
-    pub(crate) fn solve(
-        &mut self,
-        recorder: &mut Recorder<'_>,
-        (volume, changes): (&mut Volume, &mut Changes),
-        (lights, emitters): (&Lights, &Emitters),
-        bounces: u32,
-        cones: (&TraceSettings, [f32; 4]),
-    ) {
-        let gathers = bounces.saturating_sub(1);
-        let Some(faces) = &self.faces else { return };
-        let has_emission = faces.has_emission();
-        if has_emission {
-            emitters.wake(recorder, volume.late_word());
-        }
-        set_bounce(&mut self.settings, recorder, cones, Turn::OF_ALL, has_emission);
-        recorder.clear(faces.irradiance());
-        if std::mem::take(&mut self.has_moved) {
-            recorder.clear(faces.hits());
-        }
-        self.turns.solved(lights.version, gathers);
-        if gathers == 0 {
-            self.conceal(recorder, (volume, changes));
-        }
-        let Some(faces) = &self.faces else { return };
-        self.direct(recorder, (volume, changes), lights, faces);
-        self.kernels.reflect(recorder, &self.grid, faces);
-        recorder.stage("filter");
-        let changed = if gathers == 0 { changes.find(recorder) } else { changes.all(recorder) };
-        let Some(changed) = changed else { return };
-        volume.update(recorder, changed);
-        let groups = [volume.globals(), &lights.group];
-        if bounces > 0 {
-            recorder.stage("bounce");
-            self.kernels.find(recorder, volume.globals(), faces);
-        }
-        if gathers > 0 {
-            self.kernels.shine(recorder, groups, faces, Turn::OF_ALL);
-        }
-        for _ in 0..gathers {
-            recorder.stage("bounce");
-            self.kernels.gather(recorder, groups, faces, Turn::OF_ALL);
-            self.kernels.reflect(recorder, &self.grid, faces);
-            recorder.stage("filter");
-            volume.bounce(recorder, changed);
-        }
-        if gathers > 0 {
-            volume.update(recorder, changed);
-            faces.hold(recorder);
-        }
-        if bounces > 0 {
-            self.show_far(recorder, volume, lights, faces);
-        }
-        self.emit(recorder, (volume, changes));
-    }
-
-    /// Continues from the last call of `solve` or `step`: direct light, and one gather of at most
-    /// `budget` faces, stored and filtered where it differs. Once light has converged, it records
-    /// nothing and returns `false`.
-    pub(crate) fn step(
-        &mut self,
-        recorder: &mut Recorder<'_>,
-        (volume, changes): (&mut Volume, &mut Changes),
-        (lights, emitters): (&Lights, &Emitters),
-        budget: Option<u32>,
-        cones: (&TraceSettings, [f32; 4]),
-    ) -> bool {
+    /// Records direct light and gathers, as the budget says; stores and filters what differs.
+    /// Records nothing and returns `false` once light has converged.
+    pub(crate) fn step(&mut self, recorder: &mut Recorder, lit: Lit<'_>, budget: Budget) -> bool {
+        let Lit { volume, changes, lights, emitters, cones } = lit;
         let Some(faces) = &self.faces else { return false };
-        // With rays, only one setting changes the light of faces: the width of samples of the
-        // environment.
-        let (settings, values) = cones;
-        let width = settings.voxel_per_diameter;
-        let rays = TraceSettings { voxel_per_diameter: width, ..TraceSettings::default() };
-        let seen = if volume.is_marched() { *settings } else { rays };
-        let turn = self.turns.next(lights.version, (seen, values), faces.capacity(), budget);
+        let turn = match budget {
+            Budget::Bounces(bounces) => Some(self.turns.from_darkness(lights.version, bounces)),
+            Budget::Faces(most) => {
+                // With rays, only one setting changes the light of faces: the width of samples of
+                // the environment.
+                let (settings, values) = cones;
+                let width = settings.voxel_per_diameter;
+                let rays = TraceSettings { voxel_per_diameter: width, ..TraceSettings::default() };
+                let seen = if volume.is_marched() { *settings } else { rays };
+                self.turns.next(lights.version, (seen, values), faces.capacity(), most)
+            }
+        };
         let Some(turn) = turn else { return false };
         let has_emission = faces.has_emission();
         if has_emission {
             emitters.wake(recorder, volume.late_word());
         }
         set_bounce(&mut self.settings, recorder, cones, turn, has_emission);
-        let is_concealed = self.conceal(recorder, (volume, changes));
+        if turn.is_from_darkness {
+            recorder.clear(faces.irradiance());
+            if std::mem::take(&mut self.has_moved) {
+                recorder.clear(faces.hits());
+            }
+        }
+        let is_concealed = !turn.stores_all() && self.conceal(recorder, (volume, changes));
         let Some(faces) = &self.faces else { return false };
         if turn.is_direct_new {
             self.direct(recorder, (volume, changes), lights, faces);
@@ -342,21 +307,37 @@ impl Lighting {
         if turn.is_direct_new || (has_emission && !is_concealed) {
             self.kernels.reflect(recorder, &self.grid, faces);
             recorder.stage("filter");
-            if let Some(changed) = changes.find(recorder) {
+            let all = turn.stores_all();
+            let changed = if all { changes.all(recorder) } else { changes.find(recorder) };
+            if let Some(changed) = changed {
                 volume.update(recorder, changed);
             }
         }
         recorder.stage("bounce");
         let groups = [volume.globals(), &lights.group];
-        self.kernels.find(recorder, volume.globals(), faces);
+        if turn.gathers > 0 || turn.shows_far {
+            self.kernels.find(recorder, volume.globals(), faces);
+        }
         if turn.may_shine_anew {
             self.kernels.shine(recorder, groups, faces, turn);
         }
-        self.kernels.gather(recorder, groups, faces, turn);
-        self.kernels.reflect(recorder, &self.grid, faces);
-        recorder.stage("filter");
-        if let Some(changed) = changes.find(recorder) {
-            volume.update(recorder, changed);
+        for gather in 1..=turn.gathers {
+            recorder.stage("bounce");
+            self.kernels.gather(recorder, groups, faces, turn);
+            self.kernels.reflect(recorder, &self.grid, faces);
+            recorder.stage("filter");
+            if !turn.stores_all() {
+                if let Some(changed) = changes.find(recorder) {
+                    volume.update(recorder, changed);
+                }
+            } else if let Some(all) = changes.listed() {
+                if gather < turn.gathers {
+                    volume.bounce(recorder, all);
+                } else {
+                    volume.update(recorder, all);
+                    faces.hold(recorder);
+                }
+            }
         }
         if turn.shows_far {
             self.show_far(recorder, volume, lights, faces);
@@ -384,7 +365,7 @@ impl Lighting {
     fn direct(
         &self,
         recorder: &mut Recorder<'_>,
-        (volume, changes): (&mut Volume, &mut Changes),
+        (volume, changes): (&Volume, &mut Changes),
         lights: &Lights,
         faces: &Faces,
     ) {

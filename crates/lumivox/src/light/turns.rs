@@ -24,6 +24,10 @@ const SHOWN_GATHERS: [u32; 8] = [4, 6, 8, 12, 16, 20, 26, SETTLING_GATHERS];
 #[allow(clippy::struct_excessive_bools, reason = "independent facts about one frame")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
+    /// Light starts from darkness.
+    pub is_from_darkness: bool,
+    /// Gathers, of which each sees the light of the one before.
+    pub gathers: u32,
     /// Direct light has changed.
     pub is_direct_new: bool,
     /// Faces sample emitters again: emitters, or occluders, may have changed.
@@ -43,17 +47,12 @@ pub(super) struct Turn {
 }
 
 impl Turn {
-    /// All faces gather.
-    pub const OF_ALL: Self = Self {
-        is_direct_new: true,
-        may_shine_anew: true,
-        shows_far: true,
-        faces: u32::MAX,
-        is_by_cascade: false,
-        is_list_new: false,
-        number: 0,
-        rays_anew: 0,
-    };
+    /// Whether the volume stores all cells instead of those that have changed. From darkness with
+    /// many bounces nearly everything changes in every gather: looking for unchanged faces would
+    /// cost more than it saves.
+    pub fn stores_all(&self) -> bool {
+        self.is_from_darkness && self.gathers > 0
+    }
 }
 
 /// Whether the stored hits of the faces' rays are valid.
@@ -112,17 +111,29 @@ impl Turns {
         self.is_list_new = true;
     }
 
-    /// Light was solved from darkness with `gathers` gathers; `lights` is the version of the
-    /// lights.
-    pub fn solved(&mut self, lights: u64, gathers: u32) {
+    /// The work of lighting everything from darkness with so many bounces; `lights` is the version
+    /// of the lights. Later frames continue from there.
+    pub fn from_darkness(&mut self, lights: u64, bounces: u32) -> Turn {
+        let gathers = bounces.saturating_sub(1);
         self.lights = Some(lights);
         self.cones = None;
-        // Later gathers continue from here.
         self.solved = Some(gathers);
         self.is_disturbed = false;
         self.shines = 0;
         self.is_list_new = false;
         self.rays = Rays::Traced;
+        Turn {
+            is_from_darkness: true,
+            gathers,
+            is_direct_new: true,
+            may_shine_anew: gathers > 0,
+            shows_far: bounces > 0,
+            faces: u32::MAX,
+            is_by_cascade: false,
+            is_list_new: false,
+            number: 0,
+            rays_anew: 0,
+        }
     }
 
     /// Frames until less than a hundredth of the last change is missing, with cascades in the
@@ -180,6 +191,8 @@ impl Turns {
             _ => 0,
         };
         Some(Turn {
+            is_from_darkness: false,
+            gathers: 1,
             is_direct_new,
             may_shine_anew,
             shows_far: shows_far || rays_anew != 0,
@@ -203,7 +216,7 @@ mod tests {
     #[test]
     fn light_that_was_solved_goes_on_without_what_has_not_changed() {
         let mut turns = Turns::default();
-        turns.solved(1, 16);
+        turns.from_darkness(1, 17);
         let all: Vec<Turn> = std::iter::from_fn(|| next(&mut turns, None)).collect();
         assert_eq!(all.len(), 16);
         assert!(all.iter().all(|turn| !turn.is_direct_new && !turn.may_shine_anew));
@@ -214,7 +227,7 @@ mod tests {
     #[test]
     fn all_faces_look_at_emitters_again_after_a_move() {
         let mut turns = Turns::default();
-        turns.solved(1, 16);
+        turns.from_darkness(1, 17);
         turns.surface_moved();
         // Four turns of 25 faces.
         let all: Vec<Turn> = std::iter::from_fn(|| next(&mut turns, Some(25))).collect();

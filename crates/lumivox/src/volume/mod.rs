@@ -23,12 +23,11 @@ use changes::ChangedCells;
 use dense::DenseVolume;
 #[cfg(test)]
 pub(crate) use dense::{Level, MaskLevels, read_levels};
-pub(crate) use octree::Followed;
-use octree::OctreeVolume;
 pub use octree::{
     Duplication, Mipmapping, OctreeBuilder, OctreeBuilding, OctreeOptions, OctreeParts,
     OctreeStats, TreeToBuild,
 };
+pub(crate) use octree::{OctreeVolume, ShownList};
 #[cfg(test)]
 pub(crate) use octree::{OldAtlas, TreeUniform, Verdict as TreeVerdict, read_nodes};
 pub(crate) use surface::SURFACE_BYTES;
@@ -199,56 +198,30 @@ impl Volume {
         }
     }
 
-    /// A word that is nonzero while cones see an earlier list; valid after the first list was
-    /// followed. `None` if cones never see an earlier one.
-    pub(crate) fn late_word(&self) -> Option<&Buffer> {
-        if !self.is_marched() {
-            return None;
-        }
+    /// The octree, if that is how cells are stored: the only volume whose buffers can overflow.
+    pub(crate) fn octree(&self) -> Option<&OctreeVolume> {
         match &self.cells {
+            Some(CellVolume::Octree(octree)) => Some(octree),
             None | Some(CellVolume::Dense(_)) => None,
-            Some(CellVolume::Octree(octree)) => Some(octree.late_word()),
         }
     }
 
-    /// Applies finished read-backs of recorded calls of [`Self::follow`]; grows buffers that
-    /// overflowed, with a reserve if there is dynamic surface. Returns `true` if it has grown, and
-    /// must follow a list before anything else.
-    ///
-    /// # Errors
-    /// [`GiError::Limit`] and [`GiError::Budget`] if an octree does not fit.
-    pub(crate) fn hear(
-        &mut self,
-        recorder: &mut Recorder<'_>,
-        has_moving: bool,
-    ) -> Result<bool, GiError> {
+    /// As [`Self::octree`].
+    pub(crate) fn octree_mut(&mut self) -> Option<&mut OctreeVolume> {
         match &mut self.cells {
-            None | Some(CellVolume::Dense(_)) => Ok(false),
-            Some(CellVolume::Octree(octree)) => octree.hear(recorder, has_moving),
+            Some(CellVolume::Octree(octree)) => Some(octree),
+            None | Some(CellVolume::Dense(_)) => None,
         }
     }
 
-    /// Whether it shows an earlier list after an overflow, by the read-backs so far. Dense volumes
-    /// do not overflow.
-    pub(crate) fn is_late(&self) -> bool {
-        match &self.cells {
-            None | Some(CellVolume::Dense(_)) => false,
-            Some(CellVolume::Octree(octree)) => octree.is_late(),
-        }
-    }
-
-    /// Whether it shows an earlier list, and whether the read-back of the last recorded call of
-    /// [`Self::follow`] is pending, by the read-backs that have finished. The caller must poll the
-    /// device first.
-    pub(crate) fn told(&self) -> [bool; 2] {
-        match &self.cells {
-            None | Some(CellVolume::Dense(_)) => [false, false],
-            Some(CellVolume::Octree(octree)) => octree.told(),
-        }
+    /// A word that is nonzero while cones see an earlier list; valid after the first list was
+    /// shown. `None` if cones never see an earlier one.
+    pub(crate) fn late_word(&self) -> Option<&Buffer> {
+        self.octree().filter(|_| self.is_marched()).map(OctreeVolume::late_word)
     }
 
     /// Binds another list, or the same one after its buffers were resized, the radiance of its
-    /// faces, and the lists of cells that will be passed to [`Self::update`] and [`Self::follow`].
+    /// faces, and the lists of cells that will be passed to [`Self::update`] and [`Self::show`].
     pub(crate) fn bind(
         &mut self,
         device: &wgpu::Device,
@@ -265,61 +238,33 @@ impl Volume {
         }
     }
 
-    /// Whether [`Self::follow`] needs a list of the cells with changed surface; an octree lists its
+    /// Whether [`Self::show`] needs a list of the cells with changed surface; an octree lists its
     /// own nodes.
     pub(crate) fn clears_cells(&self) -> bool {
         matches!(self.cells, Some(CellVolume::Dense(_)))
     }
 
-    /// Call before the cells with changed surface are found by their bits: adds the changes that
-    /// the volume has missed.
-    pub(crate) fn join_missed(&mut self, recorder: &mut Recorder<'_>, bits: &Buffer) {
-        match &mut self.cells {
-            None | Some(CellVolume::Dense(_)) => {}
-            Some(CellVolume::Octree(octree)) => octree.join_missed(recorder, bits),
-        }
-    }
-
-    /// Updates the volume to the voxel list: discards cells with changed surface. There is a bit
-    /// for each, and a list if [`Self::clears_cells`]. The radiance is stored by [`Self::update`].
-    /// If an octree overflows, it keeps showing the earlier list. After [`Self::tell`],
-    /// [`Self::hear`] grows its buffers.
+    /// Shows a list: discards cells with changed surface, of which `wrong` is a list if
+    /// [`Self::clears_cells`]. The radiance is stored by [`Self::update`]. An octree that overflows
+    /// keeps showing the earlier list.
     ///
     /// # Errors
-    /// As [`Self::hear`].
-    pub(crate) fn follow(
+    /// [`GiError::Limit`] and [`GiError::Budget`] if an octree does not fit.
+    pub(crate) fn show(
         &mut self,
         recorder: &mut Recorder<'_>,
-        followed: Followed<'_>,
+        shown: ShownList<'_>,
         wrong: &ChangedCells,
     ) -> Result<(), GiError> {
         if let Some(surface) = &self.surface {
-            surface.follow(recorder);
+            surface.show(recorder);
         }
         match &mut self.cells {
-            None => Ok(()),
-            Some(CellVolume::Dense(dense)) => {
-                dense.follow(recorder, wrong);
-                Ok(())
-            }
-            Some(CellVolume::Octree(octree)) => octree.follow(recorder, followed),
+            None => {}
+            Some(CellVolume::Dense(dense)) => dense.show(recorder, wrong),
+            Some(CellVolume::Octree(octree)) => octree.show(recorder, shown)?,
         }
-    }
-
-    /// Queues a read-back of the overflow flags.
-    pub(crate) fn tell(&mut self, recorder: &mut Recorder<'_>) {
-        match &mut self.cells {
-            None | Some(CellVolume::Dense(_)) => {}
-            Some(CellVolume::Octree(octree)) => octree.tell(recorder),
-        }
-    }
-
-    /// Frees what only partial updates need. The results of all calls of [`Self::follow`] must be
-    /// known.
-    pub(crate) fn trim(&mut self) {
-        if let Some(CellVolume::Octree(octree)) = &mut self.cells {
-            octree.trim();
-        }
+        Ok(())
     }
 
     /// Stores the changed radiance of the faces and filters it into the pyramid.
@@ -392,13 +337,5 @@ impl Volume {
         };
         memory.extend(self.surface.iter().flat_map(Surface::memory));
         memory
-    }
-
-    /// Statistics of the octree; `None` for other volumes and before there are voxels.
-    pub(crate) fn octree_stats(&self) -> Option<OctreeStats> {
-        match &self.cells {
-            None | Some(CellVolume::Dense(_)) => None,
-            Some(CellVolume::Octree(octree)) => octree.stats(),
-        }
     }
 }

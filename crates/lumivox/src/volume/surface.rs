@@ -140,7 +140,7 @@ impl Surface {
     }
 
     /// Updates the index and the patches to the changed list.
-    pub(super) fn follow(&self, recorder: &mut Recorder<'_>) {
+    pub(super) fn show(&self, recorder: &mut Recorder<'_>) {
         let Some(bound) = &self.bound else { return };
         recorder.stage("volume");
         let groups = [&self.grid, &bound.index];

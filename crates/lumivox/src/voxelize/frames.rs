@@ -3,13 +3,13 @@
 use super::Voxelizer;
 use super::input::{self, ShareInput, ShareKey};
 use super::room::{new_list, resized_list};
-use super::scene::{Fixed, FrameVoxels, Rebuild, Taken, VoxelizedScene, with_spare};
+use super::scene::{Fixed, Rebuild, VoxelizedScene, with_spare};
 use super::share::{Share, Work};
 use super::union::{NO_ROOM_FOR_VOXELS, Union, Verdict};
 use crate::cascades::Walked;
-use crate::gpu::{LastRead, LateReads, Recorder, uniform_buffer};
+use crate::gpu::{LastRead, LateReads, OverflowReads, Recorder, uniform_buffer};
 use crate::volume::SURFACE_BYTES;
-use crate::voxels::{VoxelList, count_bytes};
+use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
 
 /// Initial capacity for voxels of dynamic surface, before their number is known.
@@ -22,18 +22,17 @@ fn most_nodes(grid: &Grid, voxels: u64) -> u64 {
 }
 
 impl Voxelizer {
-    /// Records the voxelization of dynamic draws, and returns without waiting.
+    /// Records the voxelization of dynamic draws, up to the list that [`Self::commit`] commits
+    /// ([`VoxelizedScene::collected`]), and returns without waiting.
     ///
-    /// The list is the same as that of [`Self::voxelize`], unless a buffer overflows: then the list
-    /// does not change, and the buffers grow a few frames later, when the read-back arrives.
-    /// Changed static draws take a few frames, too.
+    /// If a buffer overflows, the list does not change, and the buffers grow a few frames later,
+    /// when the read-back arrives. Changed static draws take a few frames, too.
     pub(crate) fn record(
         &self,
         recorder: &mut Recorder<'_>,
         scene: &mut VoxelizedScene,
         geometry: &Geometry,
-        follow: &mut dyn FnMut(&mut Recorder<'_>, Taken<'_>),
-    ) -> Result<FrameVoxels, GiError> {
+    ) -> Result<(), GiError> {
         input::check_materials(geometry)?;
         let device = recorder.device().clone();
         let limits = device.limits();
@@ -66,9 +65,8 @@ impl Voxelizer {
         let globals = scene.globals.clone();
         let mut work = self.work(recorder, &device, &grid, &globals);
         let work = &mut work;
-        let mut is_late = Self::hear(work, scene)? | scene.next.is_some() | scene.wanted.is_some();
+        Self::apply_reads(work, scene)?;
         if let Some((fixed, union)) = arrived {
-            is_late = true;
             Self::replace(work, scene, Some(fixed), (union, has_moving))?;
         } else if scene.next.is_some() {
             // The list does not change until the next grid is ready.
@@ -77,17 +75,13 @@ impl Voxelizer {
             if scene.fixed.is_some() {
                 Self::replace(work, scene, None, (None, has_moving))?;
             }
-        } else if scene.rebuild.is_some() {
-            is_late = true;
+        } else if scene.rebuild.is_some() && scene.union.is_none() {
             // Dynamic surface cannot be united with static surface that is not ready.
-            if scene.union.is_none() {
-                return Ok(scene.frame(true));
-            }
+            return Ok(());
         }
         Self::mark_moving(work, scene, &moving_input, geometry)?;
         if scene.moving.is_none() && !scene.is_list_new {
-            // Without a list, only static draws can be late.
-            return Ok(scene.frame(is_late && (scene.list.is_some() || scene.rebuild.is_some())));
+            return Ok(());
         }
         if scene.union.is_none() || scene.list.is_none() {
             let fixed = scene.fixed.take();
@@ -99,7 +93,7 @@ impl Voxelizer {
             moving.make_room(work, FIRST_VOXELS)?;
             scene.is_bound = false;
         }
-        let Some(mut union) = scene.union.take() else { return Ok(scene.frame(is_late)) };
+        let Some(mut union) = scene.union.take() else { return Ok(()) };
         if let Some(moving) = &mut scene.moving
             && (moving.capacity()[1] == 0 || scene.is_list_new)
         {
@@ -118,14 +112,7 @@ impl Voxelizer {
         }
         union.unite(work);
         scene.union = Some(union);
-        Self::take(work, scene, emission_scale, follow)?;
-        let bytes = size_of::<Verdict>() as u64 + count_bytes(grid.levels);
-        let late = scene.late.get_or_insert_with(|| LateReads::new(&device, bytes));
-        if let Some((union, list)) = scene.union.as_ref().zip(scene.list.as_ref()) {
-            let verdict = (union.verdict(), 0, size_of::<Verdict>() as u64);
-            late.record(work.recorder, &[verdict, (&list.counts, 0, list.counts.size())]);
-        }
-        Ok(scene.frame(is_late))
+        Self::collect(work, scene, emission_scale)
     }
 
     /// Applies finished read-backs.
@@ -136,26 +123,21 @@ impl Voxelizer {
     ) -> Result<(), GiError> {
         let device = recorder.device().clone();
         let (grid, globals) = (scene.grid, scene.globals.clone());
-        Self::hear(&mut self.work(recorder, &device, &grid, &globals), scene).map(drop)
+        Self::apply_reads(&mut self.work(recorder, &device, &grid, &globals), scene)
     }
 
-    /// Applies finished read-backs; grows buffers that overflowed. Returns `true` if one had
-    /// overflowed.
-    fn hear(work: &mut Work<'_, '_>, scene: &mut VoxelizedScene) -> Result<bool, GiError> {
-        let device = work.memory.device();
-        let Some(words) = scene.late.as_mut().and_then(|late| late.latest(device)) else {
-            return Ok(scene.lacks_room);
-        };
+    /// Applies finished read-backs; grows buffers that overflowed.
+    fn apply_reads(work: &mut Work<'_, '_>, scene: &mut VoxelizedScene) -> Result<(), GiError> {
+        let Some(words) = scene.late.latest(work.memory.device()) else { return Ok(()) };
         let (verdict, counts) = words.split_at(size_of::<Verdict>() / 4);
         let verdict: Verdict = bytemuck::pod_read_unaligned(bytemuck::cast_slice(verdict));
         if let Some(list) = &mut scene.list {
             list.know(counts);
         }
-        scene.lacks_room = verdict.no_room != 0;
         let (Some(moving), Some(list), Some(union)) =
             (&mut scene.moving, &scene.list, &scene.union)
         else {
-            return Ok(scene.lacks_room);
+            return Ok(());
         };
         let [voxels, sums] = moving.capacity();
         let room = [list.node_capacity(), list.face_capacity()];
@@ -182,7 +164,7 @@ impl Voxelizer {
             moving.make_room_for_sums(work, with_spare(needed_sums), union.verdict())?;
             scene.is_bound = false;
         }
-        Ok(scene.lacks_room)
+        Ok(())
     }
 
     /// Advances the rebuild of changed static surface by one step, and returns the surface and the
@@ -218,7 +200,7 @@ impl Voxelizer {
             let kept = kept.filter(|_| keeps).and_then(|kept| kept.share.as_ref());
             share.mark(work, input.draws(), kept);
             let sources = share.marked_counts();
-            let mut reads = LateReads::new(device, sources.iter().map(|source| source.2).sum());
+            let mut reads = LateReads::default();
             reads.record(work.recorder, &sources);
             let key = ShareKey::new(geometry, grid);
             let (voxels, union) = (None, None);
@@ -244,7 +226,7 @@ impl Voxelizer {
             union.merge(work);
             let mut sources = share.face_counts(voxels);
             sources.push(union.node_count(grid));
-            rebuild.reads = LateReads::new(device, sources.iter().map(|source| source.2).sum());
+            rebuild.reads = LateReads::default();
             rebuild.reads.record(work.recorder, &sources);
             (rebuild.voxels, rebuild.union) = (Some(voxels), Some(union));
             scene.rebuild = Some(rebuild);
@@ -284,7 +266,7 @@ impl Voxelizer {
         scene.fixed = fixed;
         scene.replace_list(list);
         // Earlier verdicts are about the old list.
-        (scene.late, scene.lacks_room) = (None, true);
+        scene.late = OverflowReads::default();
         Ok(())
     }
 }

@@ -59,7 +59,7 @@ use crate::gpu::{Pipelines, ShaderLibrary};
 use crate::voxels::FaceRecord;
 pub use hook::{Detail, Voxelization, VoxelizationShares, Walk, WalkRun, WalkStep, Walker};
 use kernels::Kernels;
-pub(crate) use scene::{FrameVoxels, Taken, VoxelizedScene};
+pub(crate) use scene::{Collected, FrameVoxels, VoxelizedScene};
 pub(crate) use settle::known;
 pub(crate) use union::Moving;
 

@@ -11,7 +11,7 @@ use super::input::{ShareInput, ShareKey};
 use super::share::{Share, ShareCounts, Work};
 use super::union::{Moving, Union, Verdict, renew, resolve_fixed};
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, LastRead, LateReads, Memory, Pipelines, Recorder,
+    BindGroup, BindGroupBuilder, Buffer, LateReads, Memory, OverflowReads, Pipelines, Recorder,
     storage_buffer,
 };
 use crate::voxels::{VoxelList, level_first_word};
@@ -37,11 +37,10 @@ pub(crate) struct VoxelizedScene {
     /// Cells whose surface has changed, a bit each, laid out as the list's occupancy. The list's
     /// consumers clear them.
     pub(super) changed: Buffer,
-    /// Pending read-backs of verdicts and counts.
-    pub(super) late: Option<LateReads>,
-    /// `true` if the last verdict read back was an overflow, or if none was read back since the
-    /// list was replaced.
-    pub(super) lacks_room: bool,
+    /// `true` if the next list is collected, and can be committed.
+    pub(super) is_collected: bool,
+    /// Read-backs of [`Verdict`] and the list's counts, since the list was replaced.
+    pub(super) late: OverflowReads,
     pub(super) rebuild: Option<Rebuild>,
     /// The next grid: that of a clipmap whose boxes have moved.
     pub(crate) wanted: Option<Grid>,
@@ -85,9 +84,9 @@ pub(super) struct Rebuild {
     pub(super) reads: LateReads,
 }
 
-/// A list that is about to be committed.
+/// A list that is ready to be committed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Taken<'a> {
+pub(crate) struct Collected<'a> {
     /// The list.
     pub list: &'a VoxelList,
     /// The list that it replaces; `None` if the list itself is updated.
@@ -129,8 +128,8 @@ impl VoxelizedScene {
             is_list_new: false,
             replaced: None,
             changed: storage_buffer(device, "changed", words * 4),
-            late: None,
-            lacks_room: true,
+            is_collected: false,
+            late: OverflowReads::default(),
             rebuild: None,
             wanted: None,
             next: None,
@@ -214,15 +213,16 @@ impl VoxelizedScene {
 
     /// Status of the last recorded voxelization, from the results that have been read back. The
     /// caller must poll the device first.
-    pub(crate) fn told(&self) -> FrameVoxels {
-        let (last, words) = self.last_read();
-        let lacks_room = match (last, &words) {
-            (LastRead::Lost, _) => true,
-            (_, Some(words)) => words[0] != 0,
-            (_, None) => self.lacks_room,
+    pub(crate) fn status(&self) -> FrameVoxels {
+        let (overflowed, words) = self.late.peek();
+        let list = self.list.as_ref();
+        let is_rebuilt = self.rebuild.is_some() || self.next.is_some() || self.wanted.is_some();
+        let mut frame = FrameVoxels {
+            is_late: is_rebuilt || (overflowed.is_late && list.is_some()),
+            is_pending: overflowed.is_pending,
+            voxels: list.map_or(0, VoxelList::voxel_count),
+            faces: list.map_or(0, |list| list.face_count),
         };
-        let is_on_its_way = self.rebuild.is_some() || self.next.is_some() || self.wanted.is_some();
-        let mut frame = self.frame(is_on_its_way || (lacks_room && self.list.is_some()));
         if let Some(words) = words {
             let (level_starts, faces) = VoxelList::counted(&words[VERDICT_WORDS..]);
             (frame.voxels, frame.faces) = (level_starts[1] - level_starts[0], faces);
@@ -230,19 +230,11 @@ impl VoxelizedScene {
         frame
     }
 
-    fn last_read(&self) -> (LastRead, Option<Vec<u32>>) {
-        self.late.as_ref().map_or((LastRead::Done, None), LateReads::peek)
-    }
-
-    /// Status with the given `is_late`.
-    pub(super) fn frame(&self, is_late: bool) -> FrameVoxels {
-        let list = self.list.as_ref();
-        FrameVoxels {
-            is_late,
-            is_pending: self.last_read().0 == LastRead::Pending,
-            voxels: list.map_or(0, VoxelList::voxel_count),
-            faces: list.map_or(0, |list| list.face_count),
-        }
+    /// The list that is ready to be committed.
+    pub(crate) fn collected(&self) -> Option<Collected<'_>> {
+        let list = self.list.as_ref().filter(|_| self.is_collected)?;
+        let moving = self.union.as_ref()?.moving()?;
+        Some(Collected { list, replaced: self.replaced.as_ref(), moving, grid: &self.grid })
     }
 
     /// The shares: static and dynamic.
@@ -313,19 +305,19 @@ impl Voxelizer {
         Ok(())
     }
 
-    /// Updates and commits the list from the collected shares, unless it overflows.
-    pub(super) fn take(
+    /// Collects the faces of the next list from both shares, and decides whether they fit.
+    pub(super) fn collect(
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
         emission_scale: f32,
-        follow: &mut dyn FnMut(&mut Recorder<'_>, Taken<'_>),
     ) -> Result<(), GiError> {
-        let (is_new, replaced) = (scene.is_list_new, scene.replaced.as_ref());
         let fixed = scene.fixed.as_ref();
         let fixed_faces = fixed.map_or(0, |fixed| fixed.faces as u32);
         let Some(mut union) = scene.union.take() else { return Ok(()) };
         let Some(list) = scene.list.as_ref() else { return Ok(()) };
-        if is_new && let Some(share) = fixed.and_then(|fixed| fixed.share.as_ref()) {
+        if scene.is_list_new
+            && let Some(share) = fixed.and_then(|fixed| fixed.share.as_ref())
+        {
             resolve_fixed(work, share, list, emission_scale);
         }
         if !scene.is_bound {
@@ -336,16 +328,22 @@ impl Voxelizer {
             moving.sum_up(work, None);
             union.resolve(work, emission_scale);
         }
-        if let Some(moving) = union.moving() {
-            follow(work.recorder, Taken { list, replaced, moving, grid: work.grid });
-        }
+        scene.union = Some(union);
+        (scene.is_bound, scene.is_collected) = (true, true);
+        Ok(())
+    }
+
+    /// Commits the collected list, unless it overflows.
+    pub(crate) fn commit(&self, recorder: &mut Recorder<'_>, scene: &mut VoxelizedScene) {
+        let Some((union, list)) = scene.union.as_ref().zip(scene.list.as_ref()) else { return };
+        let device = recorder.device().clone();
+        let work = &mut self.work(recorder, &device, &scene.grid, &scene.globals);
         union.take(work);
-        if let Some(replaced) = replaced {
+        if let Some(replaced) = &scene.replaced {
             renew(work, replaced, &scene.changed);
         }
-        scene.union = Some(union);
-        scene.is_bound = true;
-        (scene.is_list_new, scene.replaced) = (false, None);
-        Ok(())
+        let verdict = (union.verdict(), 0, size_of::<Verdict>() as u64);
+        scene.late.record(work.recorder, &[verdict, (&list.counts, 0, list.counts.size())]);
+        (scene.is_collected, scene.is_list_new, scene.replaced) = (false, false, None);
     }
 }

@@ -145,7 +145,7 @@ impl DenseVolume {
     }
 
     /// Updates the volume to the list; `wrong` are its cells with changed surface.
-    pub(super) fn follow(&self, recorder: &mut Recorder<'_>, wrong: &ChangedCells) {
+    pub(super) fn show(&self, recorder: &mut Recorder<'_>, wrong: &ChangedCells) {
         recorder.stage("volume");
         self.build.clear(recorder, &self.grid, wrong);
         self.masks.fill(recorder, &self.grid);

@@ -33,7 +33,8 @@ mod tests;
 mod tree;
 
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, LastRead, LateReads, Pipelines, Recorder, ShaderLibrary,
+    BindGroup, BindGroupBuilder, Buffer, OverflowReads, Overflowed, Pipelines, Recorder,
+    ShaderLibrary,
 };
 use crate::volume::changes::ChangedCells;
 use crate::voxels::VoxelList;
@@ -97,17 +98,15 @@ pub(crate) struct OctreeVolume {
     content: Option<BoundContent>,
     missed: Option<BoundMissed>,
     /// Read-backs of the verdicts.
-    late: Option<LateReads>,
-    /// `true` if the last verdict that was read back is an overflow, or none was read back yet.
-    lacks_room: bool,
-    /// `true` once a list was followed.
+    late: OverflowReads,
+    /// `true` once a list was shown.
     has_list: bool,
     stats: Option<OctreeStats>,
 }
 
-/// A list for the octree to follow.
+/// A list for the volume to show.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Followed<'a> {
+pub(crate) struct ShownList<'a> {
     /// The list.
     pub voxels: &'a VoxelList,
     /// Outgoing radiance of its faces.
@@ -169,8 +168,7 @@ impl OctreeVolume {
             following: None,
             content: None,
             missed: None,
-            late: None,
-            lacks_room: true,
+            late: OverflowReads::default(),
             has_list: false,
             stats: None,
         })
@@ -184,7 +182,7 @@ impl OctreeVolume {
     }
 
     /// The verdict; its first word is the overflow flags.
-    pub(super) fn late_word(&self) -> &Buffer {
+    pub(crate) fn late_word(&self) -> &Buffer {
         &self.state.verdict
     }
 
@@ -203,7 +201,7 @@ impl OctreeVolume {
 
     /// Call before the cells with changed surface are found by their bits: adds the changes that
     /// the octree has missed.
-    pub(super) fn join_missed(&mut self, recorder: &mut Recorder<'_>, bits: &Buffer) {
+    pub(crate) fn join_missed(&mut self, recorder: &mut Recorder<'_>, bits: &Buffer) {
         let kernels = &self.follow_kernels;
         let bound = self.missed.get_or_insert_with(|| {
             kernels.bind_missed(recorder.device(), &self.grid, &self.state, bits)
@@ -211,14 +209,15 @@ impl OctreeVolume {
         kernels.join_missed(recorder, &self.missed_globals, bound);
     }
 
-    /// Follows a list, unless something overflows: content that is still correct stays.
-    pub(super) fn follow(
+    /// Shows a list, unless something overflows: content that is still correct stays. Queues a
+    /// read-back of whether it has.
+    pub(super) fn show(
         &mut self,
         recorder: &mut Recorder<'_>,
-        followed: Followed<'_>,
+        shown: ShownList<'_>,
     ) -> Result<(), GiError> {
         recorder.stage("volume");
-        let Followed { voxels, radiance, changed, bits } = followed;
+        let ShownList { voxels, radiance, changed, bits } = shown;
         let device = recorder.device().clone();
         let (kernels, verdict) = (&self.follow_kernels, &self.state.verdict);
         if self.scratch.is_none() {
@@ -252,6 +251,7 @@ impl OctreeVolume {
         self.has_list = true;
         kernels.run(recorder, following, verdict, self.builder.as_deref());
         self.note_missed(recorder);
+        self.late.record(recorder, &verdict_sources(&self.state, self.builder.as_deref()));
         Ok(())
     }
 
@@ -261,53 +261,35 @@ impl OctreeVolume {
         }
     }
 
-    /// Call after a list was followed without waiting: queues a read-back of the verdict.
-    pub(super) fn tell(&mut self, recorder: &mut Recorder<'_>) {
-        if self.following.is_none() {
-            return;
-        }
-        let sources = verdict_sources(&self.state, self.builder.as_deref());
-        let bytes = sources.iter().map(|source| source.2).sum();
-        let late = self.late.get_or_insert_with(|| LateReads::new(recorder.device(), bytes));
-        late.record(recorder, &sources);
-    }
-
     /// Applies finished read-backs; grows buffers that overflowed, with a reserve if there is
-    /// dynamic surface.
-    pub(super) fn hear(
+    /// dynamic surface. Returns `true` if they have grown, and a list must be shown before anything
+    /// else.
+    ///
+    /// # Errors
+    /// [`GiError::Limit`] and [`GiError::Budget`] if it does not fit.
+    pub(crate) fn grow(
         &mut self,
         recorder: &mut Recorder<'_>,
         has_moving: bool,
     ) -> Result<bool, GiError> {
-        let device = recorder.device().clone();
-        let Some(words) = self.late.as_mut().and_then(|late| late.latest(&device)) else {
-            return Ok(false);
-        };
+        let Some(words) = self.late.latest(recorder.device()) else { return Ok(false) };
         let verdict = self.know(&words)?;
-        self.lacks_room = verdict.no_room != 0;
         self.make_room(recorder, verdict, if has_moving { with_spare } else { |count| count })
     }
 
-    /// Whether it shows an earlier list, by the read-backs so far.
-    pub(super) fn is_late(&self) -> bool {
-        self.lacks_room && self.has_list
+    /// Whether it shows an earlier list, by the read-backs that [`Self::grow`] has applied.
+    pub(crate) fn is_late(&self) -> bool {
+        self.late.is_late() && self.has_list
     }
 
-    /// Whether it shows an earlier list, and whether the last verdict is pending, by the read-backs
-    /// that have finished.
-    pub(super) fn told(&self) -> [bool; 2] {
-        let (last, words) = self.late.as_ref().map_or((LastRead::Done, None), LateReads::peek);
-        let lacks_room = match (last, words) {
-            (LastRead::Lost, _) => true,
-            // The verdict's first word: the overflow flags.
-            (_, Some(words)) => words[0] != 0,
-            (_, None) => self.lacks_room,
-        };
-        [lacks_room && self.has_list, last == LastRead::Pending]
+    /// Whether it shows an earlier list, by the read-backs that have finished; `None` before there
+    /// is a list. The caller must poll the device first.
+    pub(crate) fn status(&self) -> Option<Overflowed> {
+        self.has_list.then(|| self.late.peek().0)
     }
 
     /// Frees what only partial updates need.
-    pub(super) fn trim(&mut self) {
+    pub(crate) fn trim(&mut self) {
         self.scratch = None;
         self.stop_following();
     }
@@ -393,7 +375,7 @@ impl OctreeVolume {
         memory
     }
 
-    pub(super) fn stats(&self) -> Option<OctreeStats> {
+    pub(crate) fn stats(&self) -> Option<OctreeStats> {
         self.stats.clone()
     }
 
