@@ -11,7 +11,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use lumivox::gpu::{Recorder, ShaderLibrary, TextureView};
-use lumivox::{GBuffer, Gi, Lights};
+use lumivox::{Gi, GiView, Lights};
 use lumivox_scene::{Bounds, Material, Scene};
 
 pub use crate::passes::composite::PICTURE_FORMAT;
@@ -134,10 +134,8 @@ pub struct LookFrame<'a> {
     pub scene: &'a GpuScene,
     /// Lights, surroundings and shadow maps.
     pub lights: &'a Lights,
-    /// The G-buffer's bindings, with the camera.
-    pub gbuffer: &'a GBuffer,
-    /// The camera and the picture's size.
-    pub view: &'a lumivox::CameraView,
+    /// The camera, with the G-buffer's bindings.
+    pub camera: &'a GiView,
     /// The view to draw: one that [`Look::shows`].
     pub shown: View,
     /// The level of voxels to draw.

@@ -23,9 +23,8 @@ export class Gi {
     #environment;
     #size = new Vector2();
     #clip = new Matrix4();
-    #camera = new Float32Array(39);
+    #camera = new Float32Array(22);
     #notes = new Set();
-    #isFirst = true;
     #isDisposed = false;
     #stats = { late: true, voxels: 0, faces: 0 };
 
@@ -107,7 +106,6 @@ export class Gi {
     /** Forgets the light of earlier frames: for a cut. */
     cut() {
         this.#shared.cut();
-        this.#isFirst = true;
     }
 
     /** Computes the light of a frame. The nodes call it once a frame. */
@@ -151,25 +149,23 @@ export class Gi {
         if (!(x >= 1 && y >= 1)) return false;
         if (this.#gbuffer.setSize(this.#renderer, x, y)) {
             this.outputs.set(this.#shared.setScreen(x, y, this.#gbuffer.textures(this.#renderer)));
-            this.#isFirst = true;
         }
         return true;
     }
 
     #cameraRow() {
         const { camera } = this;
-        const row = this.#camera;
-        const previous = row.slice(0, 16);
-        this.#clip.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).toArray(row, 0);
-        row.set(this.#isFirst ? row.subarray(0, 16) : previous, 16);
-        this.#isFirst = false;
-        new Vector3().setFromMatrixPosition(camera.matrixWorld).toArray(row, 32);
-        // TRAANode and similar nodes jitter the picture within a pixel.
         const { view } = camera;
+        const row = this.#camera;
+        const clip = this.#clip.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+        // TRAANode and similar nodes jitter the picture within a pixel; the matrix is without it.
         const isShifted = view?.enabled === true && view.width === view.fullWidth;
-        row[35] = isShifted ? -view.offsetX : 0;
-        row[36] = isShifted ? -view.offsetY : 0;
-        row[37] = this.#renderer.reversedDepthBuffer === true ? 1 : 0;
+        const [x, y] = isShifted ? [-view.offsetX, -view.offsetY] : [0, 0];
+        if (isShifted) clip.premultiply(new Matrix4().makeTranslation((-2 * x) / view.width, (2 * y) / view.height, 0));
+        clip.toArray(row, 0);
+        new Vector3().setFromMatrixPosition(camera.matrixWorld).toArray(row, 16);
+        [row[19], row[20]] = [x, y];
+        row[21] = this.#renderer.reversedDepthBuffer === true ? 1 : 0;
         return row;
     }
 }

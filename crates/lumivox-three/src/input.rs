@@ -5,7 +5,7 @@
 //! the order of the numbers.
 
 use glam::{Affine2, Mat4, Vec2, Vec3, Vec4};
-use lumivox::{Draw, Gloss, Light, LightSource, Shadow, SurfaceMaterial};
+use lumivox::{CameraView, Draw, Gloss, Light, LightSource, Shadow, SurfaceMaterial};
 
 use crate::error::PageError;
 
@@ -16,7 +16,7 @@ pub const LIGHT: usize = 14;
 /// Whole numbers of a draw; its matrix has 16 more.
 pub const DRAW: usize = 5;
 /// Numbers of a camera.
-pub const CAMERA: usize = 39;
+pub const CAMERA: usize = 22;
 
 /// A material: reflectance RGBA; the gloss's reflectance at normal incidence, its roughness, and
 /// the share of the surface that has it; emission RGB; transmission; then flags, 0 or 1: alpha is
@@ -113,39 +113,23 @@ fn light(row: &[f32; LIGHT]) -> Result<Light, PageError> {
     Ok(Light { source, shadow: Shadow::Cone })
 }
 
-/// The camera of a frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CameraRow {
-    /// From the world to clip space, with reversed z.
-    pub clip_from_world: Mat4,
-    /// `clip_from_world` of the previous frame.
-    pub previous_clip_from_world: Mat4,
-    /// The camera's position, m.
-    pub position: Vec3,
-    /// Sub-pixel jitter, px.
-    pub jitter: Vec2,
-}
-
-/// A camera: matrices to clip space of this frame and of the previous one, position, jitter in
-/// pixels, and 1 if z is reversed, 0 if it grows from 0 at the near plane to 1; the last is
-/// reserved.
+/// A camera: the matrix to clip space without jitter, position, jitter in pixels, and 1 if z is
+/// reversed, 0 if it grows from 0 at the near plane to 1.
 ///
 /// # Errors
 /// When there are not [`CAMERA`] numbers, or one is not finite.
-pub fn camera(row: &[f32]) -> Result<CameraRow, PageError> {
+pub fn camera(row: &[f32]) -> Result<CameraView, PageError> {
     let row = row_of::<CAMERA>(row, "camera")?;
     // 1 - z, in clip space.
-    let reverse = if row[37] == 0.0 {
+    let reverse = if row[21] == 0.0 {
         Mat4::from_cols(Vec4::X, Vec4::Y, -Vec4::Z, Vec4::new(0.0, 0.0, 1.0, 1.0))
     } else {
         Mat4::IDENTITY
     };
-    Ok(CameraRow {
-        clip_from_world: reverse * Mat4::from_cols_slice(&row[..16]),
-        previous_clip_from_world: reverse * Mat4::from_cols_slice(&row[16..32]),
-        position: Vec3::from_slice(&row[32..35]),
-        jitter: Vec2::from_slice(&row[35..37]),
-    })
+    let clip_from_world = reverse * Mat4::from_cols_slice(&row[..16]);
+    let mut camera = CameraView::new(clip_from_world, Vec3::from_slice(&row[16..19]));
+    camera.jitter = Vec2::from_slice(&row[19..21]);
+    Ok(camera)
 }
 
 /// A row of exactly `N` finite numbers.
@@ -188,7 +172,6 @@ mod tests {
         let clip = glam::camera::rh::proj::directx::perspective(1.0, 1.0, 1.0, 10.0);
         let mut row = [0.0; CAMERA];
         row[..16].copy_from_slice(&clip.to_cols_array());
-        row[16..32].copy_from_slice(&clip.to_cols_array());
         let camera = camera(&row).unwrap();
         let depth = |z: f32| camera.clip_from_world.project_point3(Vec3::new(0.0, 0.0, z)).z;
         assert!((depth(-1.0) - 1.0).abs() < 1e-6 && depth(-10.0).abs() < 1e-6);

@@ -6,9 +6,9 @@ use glam::{UVec2, Vec3};
 use js_sys::{Array, Function};
 use lumivox::gpu::{Buffer, Pipelines, Recorder, storage_buffer};
 use lumivox::{
-    CameraView, EnvironmentLight, EnvironmentMap, Frame, GBuffer, Geometry, GeometryBatch, Gi,
-    Indices, Light, Lights, Panorama, SurfaceMaterial, SurfaceTexture, TraceSettings, TraceTargets,
-    VertexAttributes, VertexPositions,
+    EnvironmentLight, EnvironmentMap, Frame, GBuffer, Geometry, GeometryBatch, Gi, GiView, Indices,
+    Light, Lights, Panorama, SurfaceMaterial, SurfaceTexture, TraceSettings, VertexAttributes,
+    VertexPositions,
 };
 use wasm_bindgen::prelude::*;
 
@@ -37,8 +37,7 @@ pub struct SharedGi {
     lights: Lights,
     sources: Vec<Light>,
     map: Option<EnvironmentMap>,
-    screen: Option<Screen>,
-    frame: u32,
+    view: Option<GiView>,
 }
 
 /// The buffers of a geometry, which JavaScript fills.
@@ -48,13 +47,6 @@ struct Mesh {
     attributes: Option<Buffer>,
     indices: Buffer,
     batch: GeometryBatch,
-}
-
-/// The resources that depend on the size of the picture.
-#[derive(Debug)]
-struct Screen {
-    gbuffer: GBuffer,
-    targets: TraceTargets,
 }
 
 #[wasm_bindgen]
@@ -85,25 +77,26 @@ impl SharedGi {
             lights,
             sources: Vec::new(),
             map: None,
-            screen: None,
-            frame: 0,
+            view: None,
         })
     }
 
     /// Compiles what is left to compile, while the page goes on; gives the number done and the total.
-    pub async fn compile(&self, on_progress: Option<Function>) {
+    pub async fn compile(&self, on_progress: Option<Function>) -> Result<(), JsValue> {
         let mut report = |done: u32, total: u32| {
             if let Some(call) = &on_progress {
                 let _ = call.call2(&JsValue::NULL, &done.into(), &total.into());
             }
         };
         let pipelines = self.gi.pipelines().clone();
-        self.gi.prepare(&self.geometry, 1, true);
+        let prepared = self.gi.prepare(&self.geometry, 1, true, &self.settings);
+        prepared.map_err(PageError::from)?;
         pipelines.compile(&mut report).await;
         // Kernels for holes and textures are compiled later, in the background.
         wasm_bindgen_futures::spawn_local(async move {
             pipelines.compile_all(&mut |_, _| ()).await;
         });
+        Ok(())
     }
 
     /// Makes the buffers of a geometry: bytes, stride and offset of positions; bytes and stride of other attributes, and where
@@ -291,17 +284,15 @@ impl SharedGi {
             resources.push(view(&self.device, texture, Role::GBuffer)?.into());
         }
         let size = UVec2::new(width, height);
-        let view = CameraView::new(glam::Mat4::IDENTITY, Vec3::ZERO, size);
-        let gbuffer = self.gi.bind_own_gbuffer(&resources, view);
-        let targets = self.gi.targets(size, &self.settings);
+        let view = self.gi.view(GBuffer::Own(&resources), size, &self.settings);
         let handles = Array::new();
-        for output in [&targets.irradiance, &targets.specular] {
+        for output in [view.irradiance(), view.specular()] {
             let texture = output.texture();
             handles.push(
                 &texture.as_webgpu().map_or(JsValue::UNDEFINED, |texture| texture.clone().into()),
             );
         }
-        self.screen = Some(Screen { gbuffer, targets });
+        self.view = Some(view);
         Ok(handles)
     }
 
@@ -318,6 +309,9 @@ impl SharedGi {
             );
         }
         self.settings = settings;
+        if let Some(view) = &mut self.view {
+            view.settings = settings;
+        }
         Ok(())
     }
 
@@ -332,16 +326,10 @@ impl SharedGi {
         let radiance = Vec3::new(red, green, blue);
         let environment = EnvironmentLight { radiance, map: self.map.as_ref(), rotation_rad };
         self.lights.update(&self.queue, &self.sources, environment, None);
-        let Some(screen) = &self.screen else {
+        let Some(view) = &mut self.view else {
             return Err(PageError::value("there is no G-buffer yet").into());
         };
-        let mut view =
-            CameraView::new(camera.clip_from_world, camera.position, screen.gbuffer.size);
-        view.previous_clip_from_world = camera.previous_clip_from_world;
-        view.jitter = camera.jitter;
-        view.frame = self.frame;
-        self.frame = self.frame.wrapping_add(1);
-        screen.gbuffer.set_camera(&self.queue, view);
+        view.set_camera(&self.queue, camera);
         let mut encoder =
             self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut recorder = Recorder::on(&self.device, &self.queue, &mut encoder);
@@ -349,8 +337,7 @@ impl SharedGi {
         let faces_per_frame = self.faces_per_frame;
         let frame = Frame { faces_per_frame, ..Frame::new(&self.geometry, lights, settings) };
         let status = self.gi.frame(&mut recorder, frame);
-        let traced =
-            self.gi.trace(&mut recorder, &screen.gbuffer, lights, settings, &screen.targets);
+        let traced = self.gi.trace(&mut recorder, view, lights);
         drop(recorder);
         self.queue.submit([encoder.finish()]);
         let status = traced.and(status).map_err(PageError::from)?;
@@ -358,19 +345,19 @@ impl SharedGi {
     }
 
     /// Forgets the light of earlier frames: for a cut.
-    pub fn cut(&self) {
-        if let Some(screen) = &self.screen {
-            screen.targets.forget();
+    pub fn cut(&mut self) {
+        if let Some(view) = &mut self.view {
+            view.forget();
         }
     }
 
     /// Bytes on the GPU.
     pub fn memory(&self) -> f64 {
         let gi: u64 = self.gi.memory().iter().map(|(_, bytes)| bytes).sum();
-        let screen = self.screen.as_ref().map_or(0, |screen| screen.targets.memory());
+        let view = self.view.as_ref().map_or(0, GiView::memory);
         let map = self.map.as_ref().map_or(0, EnvironmentMap::memory);
         let meshes: u64 = self.meshes.values().map(Mesh::bytes).sum();
-        (gi + screen + map + meshes) as f64
+        (gi + view + map + meshes) as f64
     }
 }
 

@@ -315,8 +315,8 @@ fn uniform(
         (settings.shadows, OCCLUSION_CONES),
     ];
     VxctUniform {
-        clip_from_world: frame.view.clip_from_world,
-        camera_in_world: frame.view.position,
+        clip_from_world: frame.camera.clip_from_world(),
+        camera_in_world: frame.camera.camera().position,
         white: records.white / frame.scene.radiance_unit,
         center_in_world: records.center,
         unit_m: records.unit_m,

@@ -167,7 +167,7 @@ impl Passes {
         records: &Records,
         (look, batches): (&BindGroup, &[BindGroup]),
     ) {
-        let (scene, size) = (frame.scene, frame.view.size);
+        let (scene, size) = (frame.scene, frame.camera.size());
         let fits = |view: &TextureView| {
             let texture = view.texture();
             (texture.width(), texture.height()) == (size.x, size.y)
@@ -214,7 +214,7 @@ impl Passes {
             .view(drawn)
             .view(frame.picture)
             .build(&device, "finish");
-        let groups = [look, &own, &frame.lights.group, &frame.gbuffer.group];
+        let groups = [look, &own, &frame.lights.group, frame.camera.group()];
         self.finish.run(recorder, &groups, [size.x, size.y, 1]);
     }
 
@@ -228,8 +228,8 @@ impl Passes {
             .view(&self.voxels.view)
             .view(frame.picture)
             .build(recorder.device(), "VXCT's cubes");
-        let groups = [look, &own, &frame.lights.group, &frame.gbuffer.group];
-        let size = frame.view.size;
+        let groups = [look, &own, &frame.lights.group, frame.camera.group()];
+        let size = frame.camera.size();
         self.cubes.run(recorder, &groups, [size.x, size.y, 1]);
     }
 }

@@ -313,20 +313,31 @@ impl Gi {
         .await
     }
 
-    /// Queues the kernels that a geometry needs for
+    /// Queues the kernels that a geometry and cones with these settings need for
     /// [`Pipelines::compile`](crate::gpu::Pipelines::compile): without bounces only those of direct
     /// light, with `in_frames` also those that only [`Self::frame`] runs. All others are
-    /// compiled on first use. Call it after [`Self::view`].
-    pub fn prepare(&self, geometry: &Geometry, bounces: u32, in_frames: bool) {
+    /// compiled on first use.
+    ///
+    /// # Errors
+    /// [`GiError::Shader`] if a kernel does not link, which is a bug in this crate.
+    pub fn prepare(
+        &self,
+        geometry: &Geometry,
+        bounces: u32,
+        in_frames: bool,
+        settings: &TraceSettings,
+    ) -> Result<(), GiError> {
         let has_emitters = self.draws_emitters() && Emitters::are_in(geometry);
         if has_emitters {
             self.emitters.expect(&self.device);
             self.lighting.expect_emitters(&self.device);
         }
         if bounces > 0 {
+            self.link_cones(settings.resolution, settings.temporal)?;
             self.lighting.expect_bounces(&self.device, has_emitters, in_frames);
             self.tracer.expect(&self.device, has_emitters);
         }
+        Ok(())
     }
 
     /// `true` if gathers sample emitters directly. A caller's own cones find them in the volume

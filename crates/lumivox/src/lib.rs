@@ -60,7 +60,7 @@ pub use gloss::Gloss;
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps, ShadowSource};
 pub use points::{GatherPoints, GatherSettings, GatheredPoint, Irradiance};
-pub use trace::{AS_THE_CAMERA, CameraView, GBuffer, GBufferViews, TraceTargets};
+pub use trace::{AS_THE_CAMERA, CameraView, GBuffer, GBufferViews, GiView};
 pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
 pub use volume::{Duplication, Mipmapping, OctreeOptions, OctreeStats};
 // Re-exported, since the caller must use this version of wgpu.

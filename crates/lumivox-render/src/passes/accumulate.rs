@@ -15,7 +15,7 @@ use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
     ShaderLibrary, Texture, TextureView, upload,
 };
-use lumivox::{GBuffer, Gi};
+use lumivox::{Gi, GiView};
 
 use crate::gpu::textures::ScreenTextures;
 use crate::passes::composite::PICTURE_FORMAT;
@@ -133,7 +133,7 @@ impl AccumulatePass {
     pub(crate) fn record(
         &mut self,
         recorder: &mut Recorder,
-        of: Option<(&GBuffer, bool)>,
+        of: Option<(&GiView, bool)>,
         samples: u32,
     ) {
         let is_relit = u32::from(of.is_some_and(|(_, is_relit)| is_relit));
@@ -146,7 +146,7 @@ impl AccumulatePass {
             (Some(Follow { kernel, nothing, past: 1.. }), Some((gbuffer, _)))
                 if self.frames == 0 =>
             {
-                kernel.run(recorder, &[group, nothing, nothing, &gbuffer.group], size);
+                kernel.run(recorder, &[group, nothing, nothing, gbuffer.group()], size);
             }
             _ => self.kernel.run(recorder, &[group], size),
         }

@@ -11,7 +11,7 @@ use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
     ShaderLibrary, Texture, TextureView, upload,
 };
-use lumivox::{GBuffer, Gi, Lights, TraceTargets};
+use lumivox::{Gi, GiView, Lights};
 
 use crate::View;
 use crate::gpu::textures::ScreenTextures;
@@ -115,7 +115,7 @@ impl CompositePass {
         textures: &mut ScreenTextures<'_>,
         gbuffer: &GBufferTargets,
         direct: &DirectTargets,
-        traced: &TraceTargets,
+        view: &GiView,
     ) -> CompositeTargets {
         let picture = textures.storage("picture", PICTURE_FORMAT);
         let usage = wgpu::TextureUsages::STORAGE_BINDING;
@@ -127,10 +127,10 @@ impl CompositePass {
             .buffer(&settings)
             .view(&direct.diffuse)
             .view(&direct.specular)
-            .view(&traced.irradiance)
-            .view(&traced.specular)
+            .view(view.irradiance())
+            .view(view.specular())
             .view(&gbuffer.tint)
-            .view(traced.records.as_ref().unwrap_or(&self.no_records))
+            .view(view.records().unwrap_or(&self.no_records))
             .view(&picture)
             .view(&illuminance.view())
             .view(&traced_depth)
@@ -143,7 +143,7 @@ impl CompositePass {
     pub fn record(
         &self,
         recorder: &mut Recorder,
-        (gi, lights, gbuffer): (&Gi, &Lights, &GBuffer),
+        (gi, lights, view): (&Gi, &Lights, &GiView),
         targets: &CompositeTargets,
         of: Composed,
     ) {
@@ -156,7 +156,7 @@ impl CompositePass {
             padding: [0; 2],
         };
         recorder.queue().write_buffer(&targets.settings, 0, bytemuck::bytes_of(&settings));
-        let groups = [gi.globals(), &targets.group, &lights.group, &gbuffer.group];
-        self.kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);
+        let groups = [gi.globals(), &targets.group, &lights.group, view.group()];
+        self.kernel.run(recorder, &groups, [view.size().x, view.size().y, 1]);
     }
 }

@@ -5,7 +5,7 @@ use lumivox::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
     TextureView,
 };
-use lumivox::{GBuffer, Gi, Lights};
+use lumivox::{Gi, GiView, Lights};
 
 use crate::gpu::textures::ScreenTextures;
 use crate::passes::near_shadows::NearShadows;
@@ -61,7 +61,7 @@ impl DirectPass {
         recorder: &mut Recorder,
         gi: &Gi,
         (lights, near): (&Lights, &NearShadows),
-        gbuffer: &GBuffer,
+        view: &GiView,
         targets: &DirectTargets,
     ) {
         let group = BindGroupBuilder::new(&self.layout)
@@ -70,7 +70,7 @@ impl DirectPass {
             .buffer(&near.layers)
             .view(&near.maps)
             .build(device, "direct light");
-        let groups = [gi.globals(), &group, &lights.group, &gbuffer.group];
-        self.kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);
+        let groups = [gi.globals(), &group, &lights.group, view.group()];
+        self.kernel.run(recorder, &groups, [view.size().x, view.size().y, 1]);
     }
 }

@@ -1,7 +1,7 @@
 //! Performance figures of a frame: sums over one pixel in 64, at almost no cost.
 
 use glam::UVec2;
-use lumivox::TraceTargets;
+use lumivox::GiView;
 use lumivox::gpu::{
     BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
     ShaderLibrary, TextureView, storage_buffer,
@@ -49,14 +49,14 @@ impl FiguresPass {
     pub(crate) fn record(
         &self,
         recorder: &mut Recorder,
-        traced: &TraceTargets,
+        traced: &GiView,
         no_records: &TextureView,
     ) -> &Buffer {
         recorder.clear(&self.sums);
         let group = BindGroupBuilder::new(&self.layout)
             .buffer(&self.sums)
-            .view(&traced.specular)
-            .view(traced.records.as_ref().unwrap_or(no_records))
+            .view(traced.specular())
+            .view(traced.records().unwrap_or(no_records))
             .build(recorder.device(), "figures");
         let UVec2 { x, y } = places(traced.size());
         self.kernel.run(recorder, &[&group], [x, y, 1]);

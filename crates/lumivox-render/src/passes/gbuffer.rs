@@ -28,7 +28,7 @@ use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, Recorder, RenderPass,
     ShaderError, ShaderLibrary, Texture, TextureView,
 };
-use lumivox::{CameraView, GBufferViews};
+use lumivox::{GBufferViews, GiView};
 use lumivox_scene::Camera;
 
 use wgpu::util::DeviceExt as _;
@@ -221,13 +221,13 @@ impl GBufferPass {
         recorder: &mut Recorder,
         scene: &GpuScene,
         targets: &GBufferTargets,
-        (view, sample): (&CameraView, u32),
+        (view, sample): (&GiView, u32),
     ) {
         let view = RasterView {
-            clip_from_world: view.clip_from_world,
-            position_in_world: view.position.to_array(),
+            clip_from_world: view.clip_from_world(),
+            position_in_world: view.camera().position.to_array(),
             sample,
-            jitter: view.jitter.to_array(),
+            jitter: view.camera().jitter.to_array(),
             padding: [0.0; 2],
         };
         recorder.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
@@ -358,15 +358,12 @@ fn bind(
     builder.build(device, "raster view")
 }
 
-/// The matrix from the world to clip space: reversed depth without a far plane, offset by `jitter`
-/// pixels.
-pub fn clip_from_world(camera: &Camera, size: UVec2, jitter: Vec2) -> Mat4 {
+/// The matrix from the world to clip space: reversed depth without a far plane.
+pub fn clip_from_world(camera: &Camera, size: UVec2) -> Mat4 {
     let size = size.as_vec2();
     let projection =
         perspective_infinite_reverse(camera.vertical_fov_rad, size.x / size.y, camera.near_m);
-    // Pixel rows are counted downwards; clip space points upwards.
-    let shift = 2.0 * jitter * Vec2::new(1.0, -1.0) / size;
-    Mat4::from_translation(shift.extend(0.0)) * projection * camera.camera_from_world()
+    projection * camera.camera_from_world()
 }
 
 /// The offset of sample `sample` from the pixel's centre, in pixels. Samples come in opposite
@@ -385,7 +382,6 @@ pub fn jitter(sample: u32) -> Vec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     #[test]
     fn jitter_covers_the_pixel_evenly() {
@@ -393,19 +389,5 @@ mod tests {
         let mean = points.iter().sum::<Vec2>() / points.len() as f32;
         assert!(mean.abs().max_element() < 0.05, "{mean}");
         assert!(points.iter().all(|p| p.abs().max_element() <= 0.5));
-    }
-
-    #[test]
-    fn a_jitter_moves_the_picture_by_that_part_of_a_pixel() {
-        let camera = Camera::look_at(Vec3::new(0.0, 1.0, 3.0), Vec3::ZERO, 0.8);
-        let size = UVec2::new(200, 100);
-        let pixel_of = |jitter| {
-            let ndc = clip_from_world(&camera, size, jitter).project_point3(Vec3::ZERO);
-            assert!(ndc.z > 0.0 && ndc.z < 1.0);
-            size.as_vec2() * (0.5 + 0.5 * ndc.truncate() * Vec2::new(1.0, -1.0))
-        };
-        let jitter = Vec2::new(0.25, -0.5);
-        let moved = pixel_of(jitter) - pixel_of(Vec2::ZERO);
-        assert!((moved - jitter).length() < 1e-4, "{moved}");
     }
 }

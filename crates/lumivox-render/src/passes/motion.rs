@@ -5,7 +5,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
-use lumivox::CameraView;
+use lumivox::GiView;
 use lumivox::gpu::pipelines::DrawPipeline;
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines, Recorder, ShaderError,
@@ -80,7 +80,7 @@ impl MotionPass {
         recorder: &mut Recorder,
         scene: &GpuScene,
         [motion, depth]: [&TextureView; 2],
-        view: &CameraView,
+        view: &GiView,
     ) {
         let color = wgpu::RenderPassColorAttachment {
             view: motion,
@@ -121,7 +121,7 @@ impl MotionPass {
         });
     }
 
-    fn upload(&mut self, recorder: &Recorder, scene: &GpuScene, view: &CameraView) {
+    fn upload(&mut self, recorder: &Recorder, scene: &GpuScene, view: &GiView) {
         let (device, queue) = (recorder.device(), recorder.queue());
         let records = &scene.draw_records;
         if self.bound.as_ref().is_none_or(|bound| bound.records != *records) {
@@ -140,8 +140,8 @@ impl MotionPass {
             queue.write_buffer(&bound.former, offset, bytemuck::bytes_of(&transform));
         }
         let view = MotionView {
-            clip_from_world: view.clip_from_world,
-            previous_clip_from_world: view.previous_clip_from_world,
+            clip_from_world: view.clip_from_world(),
+            previous_clip_from_world: view.previous_clip_from_world(),
         };
         queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
     }

@@ -1,8 +1,8 @@
 //! Everything that depends on the picture's size: textures, and the passes bound to them.
 
-use glam::{Mat4, UVec2};
+use glam::UVec2;
 use lumivox::gpu::ShaderLibrary;
-use lumivox::{GBuffer, Gi, TraceSettings, TraceTargets};
+use lumivox::{Gi, GiView, TraceSettings};
 
 use crate::gpu::memory::available_memory;
 use crate::gpu::textures::ScreenTextures;
@@ -20,9 +20,9 @@ use crate::{Gpu, RenderError};
 #[derive(Debug)]
 pub(crate) struct Targets {
     pub(crate) gbuffer_textures: GBufferTargets,
-    pub(crate) gbuffer: GBuffer,
     pub(crate) direct: DirectTargets,
-    pub(crate) traced: TraceTargets,
+    /// The camera with the G-buffer, and the cones' results.
+    pub(crate) view: GiView,
     pub(crate) composite: CompositeTargets,
     pub(crate) voxel_view: VoxelViewPass,
     pub(crate) accumulate: AccumulatePass,
@@ -45,7 +45,7 @@ const MOTION_BYTES_PER_PIXEL: u64 = 4;
 /// Bytes of the cones' textures for a picture of the given size.
 pub(crate) fn trace_bytes(trace: &TraceSettings, size: UVec2) -> u64 {
     let motion = if trace.temporal { MOTION_BYTES_PER_PIXEL } else { 0 };
-    u64::from(size.x) * u64::from(size.y) * motion + TraceTargets::bytes(size, trace)
+    u64::from(size.x) * u64::from(size.y) * motion + GiView::bytes(size, trace)
 }
 
 /// Additional bytes a pixel for the tint of coloured glass.
@@ -87,7 +87,7 @@ impl Targets {
 
     /// Discards earlier frames: the next frame is the first one of a picture.
     pub(crate) fn forget(&mut self) {
-        self.traced.forget();
+        self.view.forget();
         self.accumulate.forget();
         for beside in &mut self.beside {
             beside.forget();
@@ -107,22 +107,18 @@ impl Targets {
         let mut textures = ScreenTextures::new(device, size);
         let wanted = [is_tinted, trace.temporal];
         let gbuffer_textures = GBufferTargets::new(gpu, &mut textures, wanted);
-        let view = lumivox::CameraView::new(Mat4::IDENTITY, glam::Vec3::ZERO, size);
-        let gbuffer = gi.bind_gbuffer(gbuffer_textures.views(), view);
+        let view = gi.view(gbuffer_textures.views(), size, trace);
         let direct = DirectPass::targets(&mut textures);
-        let traced = gi.targets(size, trace);
-        let composite =
-            composite.targets(device, &mut textures, &gbuffer_textures, &direct, &traced);
+        let composite = composite.targets(device, &mut textures, &gbuffer_textures, &direct, &view);
         let voxel_view = VoxelViewPass::new(device, shaders, &composite);
-        let frames = (&composite.picture, traced.is_temporal().then_some(gi));
+        let frames = (&composite.picture, view.is_temporal().then_some(gi));
         let accumulate = AccumulatePass::new(device, shaders, &mut textures, size, frames)?;
         let tone_map = ToneMapPass::new(device, shaders, &mut textures, size)?;
-        let bytes = textures.bytes + traced.memory();
+        let bytes = textures.bytes + view.memory();
         Ok(Self {
             gbuffer_textures,
-            gbuffer,
             direct,
-            traced,
+            view,
             composite,
             voxel_view,
             accumulate,

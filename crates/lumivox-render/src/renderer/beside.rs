@@ -2,7 +2,7 @@
 //! separate mean. They let measurements read other quantities than the view on the screen.
 
 use lumivox::gpu::Recorder;
-use lumivox::{GBuffer, Gi, Lights};
+use lumivox::{Gi, GiView, Lights};
 
 use super::Renderer;
 use crate::gpu::readback::read_texture;
@@ -27,7 +27,7 @@ impl BesideView {
         &mut self,
         recorder: &mut Recorder,
         pass: &CompositePass,
-        lit: (&Gi, &Lights, &GBuffer),
+        lit: (&Gi, &Lights, &GiView),
         (composed, is_relit, (frame, samples)): (Composed, bool, (u32, u32)),
     ) {
         let composed = Composed { view: self.view, ..composed };
@@ -43,7 +43,7 @@ impl BesideView {
         &mut self,
         recorder: &mut Recorder,
         pass: &CompositePass,
-        lit: (&Gi, &Lights, &GBuffer),
+        lit: (&Gi, &Lights, &GiView),
         (composed, [sample, samples]): (Composed, [u32; 2]),
     ) {
         if self.view.is_light() {
@@ -65,7 +65,7 @@ pub(super) fn add_frame(
     accumulate: &mut AccumulatePass,
     recorder: &mut Recorder,
     (view, frame, samples): (View, u32, u32),
-    of: (&GBuffer, bool),
+    of: (&GiView, bool),
 ) {
     if view.needs_past() {
         accumulate.forget();
@@ -116,7 +116,7 @@ impl Renderer {
                 &mut textures,
                 &targets.gbuffer_textures,
                 &targets.direct,
-                &targets.traced,
+                &targets.view,
             );
             let picture = &composite.picture;
             let accumulate = AccumulatePass::new(
@@ -124,7 +124,7 @@ impl Renderer {
                 &passes.shaders,
                 &mut textures,
                 settings.size,
-                (picture, targets.traced.is_temporal().then_some(gi)),
+                (picture, targets.view.is_temporal().then_some(gi)),
             )?;
             let bytes = textures.bytes;
             targets.beside.push(BesideView { view, composite, accumulate, bytes });

@@ -115,9 +115,9 @@ impl Renderer {
         } else {
             if redo.targets {
                 let Self { gpu, gi, scene, passes, .. } = self;
-                let targets = passes.targets(gpu, gi, scene, &settings).await?;
+                let mut targets = passes.targets(gpu, gi, scene, &settings).await?;
                 if is_resized {
-                    targets.traced.take_past(&self.targets.traced);
+                    targets.view.take_past(&self.targets.view);
                 }
                 self.targets = targets;
             }

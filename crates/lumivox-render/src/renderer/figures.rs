@@ -40,12 +40,12 @@ impl Renderer {
         let Self { gpu, passes, targets, .. } = self;
         let Some(pass) = &passes.figures else { return Ok(None) };
         let mut recorder = lumivox::gpu::Recorder::new(&gpu.device, &gpu.queue);
-        let sums = pass.record(&mut recorder, &targets.traced, passes.composite.no_records());
+        let sums = pass.record(&mut recorder, &targets.view, passes.composite.no_records());
         recorder.submit();
         let words: Vec<u32> = read_buffer(&gpu.device, &gpu.queue, sums, 0..12).await?;
         gpu.check("adding up figures of a frame")?;
-        let sums = Sums::new(&words, targets.traced.size());
-        let is_known = targets.traced.is_temporal() && sums.known > 0;
+        let sums = Sums::new(&words, targets.view.size());
+        let is_known = targets.view.is_temporal() && sums.known > 0;
         Ok(Some(TraceFigures {
             samples_per_pixel: sums.samples as f32 / sums.pixels as f32,
             history_frames: is_known.then(|| sums.frames as f32 / sums.known as f32),

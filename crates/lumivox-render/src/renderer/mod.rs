@@ -24,7 +24,6 @@ use crate::gpu::times::StageTimes;
 use crate::look::{LookFrame, LookParts, LookPasses, LookScene};
 use crate::passes::accumulate::weight_of_sample;
 use crate::passes::composite::Composed;
-use crate::passes::gbuffer;
 use crate::passes::near_shadows::NearShadows;
 use crate::passes::targets::Targets;
 use crate::scene::{GpuScene, Lighting, radiance_unit_within};
@@ -36,6 +35,7 @@ use passes::Passes;
 pub use photometry::Photometry;
 pub use prepare::global_illumination;
 use prepare::{bind_lights, compile, environment_map, upload, validate, validate_level, voxelize};
+use samples::camera_view;
 
 /// The progress of rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,14 +82,10 @@ pub struct Renderer {
     environment: Option<EnvironmentMap>,
     shadow_bytes: u64,
     times: StageTimes,
-    /// Frames drawn so far, over all pictures.
-    drawn: u32,
     /// Samples per pixel drawn so far, over all pictures.
     samples_drawn: u32,
     /// The number of consecutive frames that each started a new mean.
     restarts: u32,
-    /// The camera of the last frame.
-    former_camera: Option<Camera>,
 }
 
 impl Renderer {
@@ -212,10 +208,8 @@ impl Renderer {
             environment: map,
             shadow_bytes,
             times,
-            drawn: 0,
             samples_drawn: 0,
             restarts: 0,
-            former_camera: None,
         })
     }
 
@@ -316,44 +310,36 @@ impl Renderer {
         let is_relit = self.following.is_settling;
         let Self { settings, camera, scene, gi, lights, near_shadows, passes, targets, .. } = self;
         let mut is_traced = false;
-        let (drawn, former_camera) = (&self.drawn, &self.former_camera);
-        // Blended frames must not repeat each other.
-        let turn = if targets.traced.is_temporal() { *drawn } else { frame };
-        let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
-        let (position, size) = (camera.position, settings.size);
-        let mut view = lumivox::CameraView::new(clip_from_world, position, size);
-        (view.frame, view.jitter) = (turn, jitter);
-        if targets.traced.is_temporal() {
-            let former = former_camera.as_ref().unwrap_or(camera);
-            // The jitter within the pixel must not count as motion.
-            view.previous_clip_from_world = gbuffer::clip_from_world(former, size, jitter);
-        }
-        targets.gbuffer.set_camera(&self.gpu.queue, view);
+        // Blended frames are counted over all pictures: they must not repeat each other.
+        let number = (!targets.view.is_temporal()).then_some(frame);
+        let seen = camera_view(camera, settings.size, (number, jitter));
+        targets.view.set_camera(&self.gpu.queue, seen);
+        targets.view.settings = settings.trace;
 
         if settings.shown_look().is_some() {
-            self.record_look(recorder, &view);
+            self.record_look(recorder);
         } else if settings.view.is_of_voxels() {
             recorder.stage("voxel view");
             targets.voxel_view.record(
                 recorder,
                 gi,
                 lights,
-                &targets.gbuffer,
+                &targets.view,
                 (settings.view, settings.voxel_level),
                 camera.vertical_fov_rad,
             )?;
         } else {
             recorder.stage("G-buffer");
             let textures = &targets.gbuffer_textures;
-            passes.gbuffer.record(recorder, scene, textures, (&view, sample));
+            passes.gbuffer.record(recorder, scene, textures, (&targets.view, sample));
             if let Some(motion) = &textures.motion {
-                passes.motion.record(recorder, scene, [motion, &textures.depth], &view);
+                let textures = [motion, &textures.depth];
+                passes.motion.record(recorder, scene, textures, &targets.view);
             }
-            let gbuffer = &targets.gbuffer;
             if settings.view == View::Lod {
                 recorder.stage("picture");
                 let (what, fov) = ((settings.view, settings.voxel_level), camera.vertical_fov_rad);
-                targets.voxel_view.record(recorder, gi, lights, gbuffer, what, fov)?;
+                targets.voxel_view.record(recorder, gi, lights, &targets.view, what, fov)?;
             } else {
                 if settings.view.needs_direct() {
                     if let Some(pass) = &passes.shadows {
@@ -362,17 +348,18 @@ impl Renderer {
                     recorder.stage("direct light");
                     let lit_by = (&*lights, &*near_shadows);
                     let device = &self.gpu.device;
-                    passes.direct.record(device, recorder, gi, lit_by, gbuffer, &targets.direct);
+                    let Targets { view, direct, .. } = targets;
+                    passes.direct.record(device, recorder, gi, lit_by, view, direct);
                 }
                 let has_cones = settings.view.needs_cones(settings.bounces);
                 if has_cones {
                     is_traced = true;
                     recorder.stage("trace");
-                    gi.trace(recorder, gbuffer, lights, &settings.trace, &targets.traced)?;
+                    gi.trace(recorder, &mut targets.view, lights)?;
                 }
                 recorder.stage("picture");
                 let composite = &targets.composite;
-                let lit = (&*gi, &*lights, gbuffer);
+                let lit = (&*gi, &*lights, &targets.view);
                 let weight = weight_of_sample(1.0 / (frame as f32 + 1.0), 0, samples);
                 let composed = Composed { view: settings.view, has_cones, weight, to_traced: None };
                 passes.composite.record(recorder, lit, composite, composed);
@@ -385,26 +372,24 @@ impl Renderer {
         if is_kept {
             recorder.stage("picture");
             let shown = (self.settings.view, frame, samples);
-            let Targets { accumulate, gbuffer, .. } = &mut self.targets;
-            beside::add_frame(accumulate, recorder, shown, (gbuffer, is_relit));
-            self.record_overlay(recorder, &view)?;
+            let Targets { accumulate, view, .. } = &mut self.targets;
+            beside::add_frame(accumulate, recorder, shown, (view, is_relit));
+            self.record_overlay(recorder, frame)?;
         }
         // The next frame cannot reuse the light of a frame that was not kept.
         if !(is_kept && is_traced) {
-            self.targets.traced.forget();
+            self.targets.view.skip();
         }
         if !is_kept && frame == 0 {
             self.targets.forget();
         }
         self.scene.motion.settle(self.targets.gbuffer_textures.motion.is_some());
-        self.drawn = self.drawn.wrapping_add(1);
         self.samples_drawn = self.samples_drawn.wrapping_add(samples);
-        self.former_camera = Some(self.camera.clone());
         Ok(())
     }
 
     /// Renders a picture with the look, including the depths and normals of its surfaces.
-    fn record_look(&mut self, recorder: &mut Recorder, view: &lumivox::CameraView) {
+    fn record_look(&mut self, recorder: &mut Recorder) {
         let Self { gpu, settings, scene, lights, targets, look: Some(passes), .. } = self else {
             return;
         };
@@ -413,8 +398,7 @@ impl Renderer {
             look,
             scene,
             lights,
-            gbuffer: &targets.gbuffer,
-            view,
+            camera: &targets.view,
             shown: settings.view,
             level: settings.voxel_level,
             picture: &targets.composite.picture,

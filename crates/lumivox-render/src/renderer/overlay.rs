@@ -1,12 +1,10 @@
 //! The overlay: its frames, and its blend over the picture.
 
-use lumivox::CameraView;
 use lumivox::gpu::Recorder;
 
 use super::Renderer;
-use super::samples::samples_before;
+use super::samples::{camera_view, samples_before};
 use crate::RenderError;
-use crate::passes::gbuffer;
 use crate::passes::overlay::{OverlayPass, OverlayView, Shown};
 use crate::picture::tone_map::Encoding;
 
@@ -31,16 +29,14 @@ impl Renderer {
         let frame = self.overlay_frame_count();
         let size = self.settings.size;
         let jitter = self.first_in_pixel(samples_before(frame));
-        let clip_from_world = gbuffer::clip_from_world(&self.camera, size, jitter);
-        let mut view = CameraView::new(clip_from_world, self.camera.position, size);
-        (view.frame, view.jitter) = (frame, jitter);
-        self.targets.gbuffer.set_camera(&self.gpu.queue, view);
+        let seen = camera_view(&self.camera, size, (Some(frame), jitter));
+        self.targets.view.set_camera(&self.gpu.queue, seen);
         let timing = self.settings.timing;
         let mut recorder = Recorder::with_timing(&self.gpu.device, &self.gpu.queue, timing);
         if self.settings.overlay.needs_depth() {
-            self.record_surfaces(&mut recorder, &view);
+            self.record_surfaces(&mut recorder, frame);
         }
-        self.draw_overlay(&mut recorder, &view)?;
+        self.draw_overlay(&mut recorder)?;
         self.times.add(recorder.finish().await?);
         self.gpu.check("drawing the overlay")
     }
@@ -59,14 +55,14 @@ impl Renderer {
         Ok(())
     }
 
-    /// Adds the overlay to a frame of the picture, with the same camera.
+    /// Adds the overlay to the frame with this index in the picture, with the same camera.
     pub(super) fn record_overlay(
         &mut self,
         recorder: &mut Recorder,
-        view: &CameraView,
+        frame: u32,
     ) -> Result<(), RenderError> {
         // The overlay restarts whenever the picture does.
-        if let Some(pass) = self.targets.overlay.as_mut().filter(|_| view.frame == 0) {
+        if let Some(pass) = self.targets.overlay.as_mut().filter(|_| frame == 0) {
             pass.reset();
         }
         if !self.settings.overlay.is_on() {
@@ -74,9 +70,9 @@ impl Renderer {
         }
         // Views of voxels do not fill the G-buffer.
         if self.settings.view.is_of_voxels() && self.settings.overlay.needs_depth() {
-            self.record_surfaces(recorder, view);
+            self.record_surfaces(recorder, frame);
         }
-        self.draw_overlay(recorder, view)
+        self.draw_overlay(recorder)
     }
 
     /// Tone maps the mean for the screen, with the overlay if it has frames.
@@ -90,23 +86,19 @@ impl Renderer {
         }
     }
 
-    fn record_surfaces(&mut self, recorder: &mut Recorder, view: &CameraView) {
+    fn record_surfaces(&mut self, recorder: &mut Recorder, frame: u32) {
         if self.settings.shown_look().is_some() && !self.settings.view.is_of_voxels() {
             // The overlay's samples see other points of the surfaces. The picture's mean is not
             // affected.
-            self.record_look(recorder, view);
+            self.record_look(recorder);
             return;
         }
         recorder.stage("G-buffer");
-        let shown = (view, samples_before(view.frame));
+        let shown = (&self.targets.view, samples_before(frame));
         self.passes.gbuffer.record(recorder, &self.scene, &self.targets.gbuffer_textures, shown);
     }
 
-    fn draw_overlay(
-        &mut self,
-        recorder: &mut Recorder,
-        view: &CameraView,
-    ) -> Result<(), RenderError> {
+    fn draw_overlay(&mut self, recorder: &mut Recorder) -> Result<(), RenderError> {
         let shown = self.shown();
         let Self { gpu, gi, scene, settings, passes, targets, .. } = self;
         let pass = match &mut targets.overlay {
@@ -117,8 +109,8 @@ impl Renderer {
                 slot.insert(pass)
             }
         };
-        let (gbuffer, surfaces) = (&targets.gbuffer, &targets.gbuffer_textures);
-        let seen = OverlayView { view, scene, gi, gbuffer, surfaces };
+        let (view, surfaces) = (&targets.view, &targets.gbuffer_textures);
+        let seen = OverlayView { view, scene, gi, surfaces };
         Ok(pass.record(recorder, &shown, seen)?)
     }
 

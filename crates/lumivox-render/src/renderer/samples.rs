@@ -6,8 +6,10 @@
 //! pixel, and reuse the indirect light of nearby traced samples of the same surface
 //! (`composite.wgsl`). All samples of a frame have the same weight.
 
-use glam::Vec2;
+use glam::{UVec2, Vec2};
+use lumivox::CameraView;
 use lumivox::gpu::StageTime;
+use lumivox_scene::Camera;
 
 use super::Renderer;
 use crate::passes::accumulate::weight_of_sample;
@@ -40,6 +42,17 @@ fn samples_of(frame: u32) -> u32 {
 pub(super) fn samples_before(frame: u32) -> u32 {
     let several = frame.min(SAMPLED_FRAMES);
     (0..several).map(samples_of).sum::<u32>() + (frame - several)
+}
+
+/// A camera in a frame: its number, if it does not just follow the last one, and its jitter, px.
+pub(super) fn camera_view(
+    camera: &Camera,
+    size: UVec2,
+    (frame, jitter): (Option<u32>, Vec2),
+) -> CameraView {
+    let mut view = CameraView::new(gbuffer::clip_from_world(camera, size), camera.position);
+    (view.frame, view.jitter) = (frame, jitter);
+    view
 }
 
 impl Renderer {
@@ -76,14 +89,13 @@ impl Renderer {
 
     /// Draws the next frame as the first one: nothing is left of frames before.
     pub(super) fn start_like_new(&mut self) {
-        (self.drawn, self.samples_drawn, self.restarts) = (0, 0, 0);
-        self.former_camera = None;
+        (self.samples_drawn, self.restarts) = (0, 0);
     }
 
     /// The number of the first sample of the next frame, which has index `frame`. Blended frames
     /// must not repeat each other.
     pub(super) fn first_sample(&self, frame: u32) -> u32 {
-        if self.targets.traced.is_temporal() { self.samples_drawn } else { samples_before(frame) }
+        if self.targets.view.is_temporal() { self.samples_drawn } else { samples_before(frame) }
     }
 
     /// The offset of a frame's first sample in its pixel. A single frame shows depths and normals
@@ -105,7 +117,7 @@ impl Renderer {
             return Ok(times);
         }
         let frame = self.frame_count() - 1;
-        let is_temporal = self.targets.traced.is_temporal();
+        let is_temporal = self.targets.view.is_temporal();
         let first = if is_temporal {
             self.samples_drawn.wrapping_sub(samples)
         } else {
@@ -117,21 +129,18 @@ impl Renderer {
             let Self { settings, camera, scene, gi, lights, near_shadows, passes, targets, .. } =
                 self;
             let jitter = gbuffer::jitter(first + sample);
-            let clip_from_world = gbuffer::clip_from_world(camera, settings.size, jitter);
-            let mut view =
-                lumivox::CameraView::new(clip_from_world, camera.position, settings.size);
-            (view.frame, view.jitter) = (frame, jitter);
-            let gbuffer = &targets.gbuffer;
-            gbuffer.set_camera(&self.gpu.queue, view);
+            let seen = camera_view(camera, settings.size, (Some(frame), jitter));
+            targets.view.set_camera(&self.gpu.queue, seen);
+            let view = &targets.view;
 
             recorder.stage("further sample");
             let textures = &targets.gbuffer_textures;
-            passes.gbuffer.record(&mut recorder, scene, textures, (&view, first + sample));
+            passes.gbuffer.record(&mut recorder, scene, textures, (view, first + sample));
             if settings.view.needs_direct() {
                 let (device, lit_by) = (&self.gpu.device, (&*lights, &*near_shadows));
-                passes.direct.record(device, &mut recorder, gi, lit_by, gbuffer, &targets.direct);
+                passes.direct.record(device, &mut recorder, gi, lit_by, view, &targets.direct);
             }
-            let lit = (&*gi, &*lights, gbuffer);
+            let lit = (&*gi, &*lights, view);
             let has_cones = settings.view.needs_cones(settings.bounces);
             let to_traced = Some(jitter - traced);
             let weight = weight_of_sample(1.0 / (frame as f32 + 1.0), sample, samples);

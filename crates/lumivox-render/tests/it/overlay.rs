@@ -97,7 +97,7 @@ fn is_near(color: [u8; 3], other: [u8; 3]) -> bool {
 
 /// The position in the picture of a place in the world, in pixels.
 fn pixel_of(camera: &Camera, size: UVec2, place: Vec3) -> DVec2 {
-    let clip = clip_from_world(camera, size, Vec2::ZERO).as_dmat4();
+    let clip = clip_from_world(camera, size).as_dmat4();
     let ndc = clip.project_point3(place.as_dvec3());
     size.as_dvec2() * DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y)
 }
@@ -503,7 +503,7 @@ fn a_cameras_rays_are_those_of_the_pictures() {
         let pixel = Vec2::from(pixel);
         let (origin, direction) = camera.ray(pixel, size);
         for distance in [0.5, 20.0] {
-            let clip = clip_from_world(&camera, size, Vec2::ZERO);
+            let clip = clip_from_world(&camera, size);
             let ndc = clip.project_point3(origin + distance * direction);
             let seen = size.as_vec2() * (0.5 + 0.5 * ndc.truncate() * Vec2::new(1.0, -1.0));
             assert!((seen - pixel).length() < 2e-3, "{seen} instead of {pixel}");

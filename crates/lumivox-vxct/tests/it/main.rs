@@ -148,7 +148,7 @@ fn a_surface_under_a_light_is_phongs() {
     let light = Vec3::new(0.3, 1.1, -0.9);
     let scene = floor(0.0, vxct_material(color, 32.0, 3.0), vxct_light(light, light_color));
     let camera = &scene.cameras[0];
-    let world_from_clip = clip_from_world(camera, SIZE, Vec2::ZERO).inverse();
+    let world_from_clip = clip_from_world(camera, SIZE).inverse();
     let at = |pixel: UVec2| {
         let ndc = 2.0 * (pixel.as_vec2() + 0.5) / SIZE.as_vec2() - 1.0;
         let through = world_from_clip.project_point3(Vec3::new(ndc.x, -ndc.y, 0.5));

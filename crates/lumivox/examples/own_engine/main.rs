@@ -136,9 +136,7 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
             SIZE.x as f32 / SIZE.y as f32,
             0.1,
         ) * glam::camera::rh::view::look_at_mat4(position, Vec3::new(0.0, 1.0, 0.0), Vec3::Y);
-    let mut view = CameraView::new(clip_from_world, position, SIZE);
-    let gbuffer = gi.bind_gbuffer(raster.views(), view);
-    let targets = gi.targets(SIZE, &settings);
+    let mut view = gi.view(raster.views(), SIZE, &settings);
 
     // The engine's shading kernel, linked against Lumivox's shader modules.
     let mut shaders = gi.shaders().clone();
@@ -152,7 +150,7 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
     let bytes = u64::from(SIZE.element_product()) * 16;
     let picture = storage_buffer(&device, "picture", bytes);
     let group = BindGroupBuilder::new(&layout)
-        .view(&targets.irradiance)
+        .view(view.irradiance())
         .buffer(&picture)
         .build(&device, "shade");
 
@@ -164,20 +162,21 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
         let first_still = FRAMES - STILL_FRAMES;
         let time = frame.min(first_still) as f32 / 60.0;
         // The engine's shading takes the mean from frame 0 on.
-        view.frame = frame.saturating_sub(first_still);
-        gbuffer.set_camera(&queue, view);
+        let mut camera = CameraView::new(clip_from_world, position);
+        camera.frame = Some(frame.saturating_sub(first_still));
+        view.set_camera(&queue, camera);
         lights.update(&queue, &[lamp_at(time)], Vec3::ZERO, None);
         for draw in geometry.batches[0].draws.iter_mut().filter(|draw| !draw.is_static) {
             draw.world_from_local = screen_at(time);
         }
         // One encoder a frame: the engine's passes and Lumivox's.
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let camera = Camera::new(view.clip_from_world, screen_at(time));
+        let camera = Camera::new(view.clip_from_world(), screen_at(time));
         raster.draw(&mut encoder, &queue, camera);
         let mut recorder = Recorder::on(&device, &queue, &mut encoder);
         gi.frame(&mut recorder, frame_of(&geometry, &lights, &settings))?;
-        gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
-        let groups = [gi.globals(), &group, &lights.group, &gbuffer.group];
+        gi.trace(&mut recorder, &mut view, &lights)?;
+        let groups = [gi.globals(), &group, &lights.group, view.group()];
         shade.run(&mut recorder, &groups, [SIZE.x, SIZE.y, 1]);
         drop(recorder);
         queue.submit([encoder.finish()]);
@@ -200,7 +199,7 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
     geometry.invalidate();
     let mut recorder = Recorder::with_timing(&device, &queue, Timing::for_device(&device));
     gi.frame(&mut recorder, frame_of(&geometry, &lights, &settings))?;
-    gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
+    gi.trace(&mut recorder, &mut view, &lights)?;
     let stages = recorder.finish().await?;
     let recording_ms = recording * 1e3 / f64::from(FRAMES);
     Ok((pixels.collect(), Report { recording_ms, frame_ms, made, stages }))

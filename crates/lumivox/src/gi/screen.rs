@@ -7,56 +7,15 @@ use crate::GiError;
 use crate::cones::{TraceResolution, TraceSettings};
 use crate::gpu::Recorder;
 use crate::light::Lights;
-use crate::mounted::Resource;
-use crate::trace::{Bound, CameraView, GBuffer, GBufferViews, ScreenSettings, TraceTargets};
+use crate::trace::{Bound, GBuffer, GiView, ScreenSettings};
 
 impl Gi {
-    /// Creates the textures that [`Self::trace`] writes to, at the settings' resolution, with a
-    /// history of earlier frames if the settings ask for one ([`TraceSettings::temporal`]). With a
-    /// history each trace continues from the previous one: submit frames in the order in which they
-    /// were recorded, and set [`CameraView::previous_clip_from_world`] to that of the previous
-    /// frame.
+    /// A camera: its G-buffer of `size` pixels, and the textures that [`Self::trace`] writes to, at
+    /// the settings' resolution, with a history of earlier frames if the settings ask for one
+    /// ([`TraceSettings::temporal`]). With a history each trace continues from the previous one:
+    /// submit frames in the order in which they were recorded.
     ///
-    /// ```
-    /// # pollster::block_on(async {
-    /// # let (device, queue) = lumivox::gpu::open_device().await?;
-    /// # use glam::{UVec2, Vec3};
-    /// # use lumivox::{Gi, GiConfig, Grid, TraceSettings};
-    /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
-    /// # let gi = Gi::new(&device, &queue, GiConfig::new(grid))?;
-    /// let targets = gi.targets(UVec2::new(640, 360), &TraceSettings::default());
-    /// assert_eq!(targets.size(), UVec2::new(640, 360));
-    /// assert!(targets.memory() > 0);
-    /// # Ok::<(), lumivox::GiError>(())
-    /// # }).unwrap();
-    /// ```
-    pub fn targets(&self, size: UVec2, settings: &TraceSettings) -> TraceTargets {
-        let targets = TraceTargets::new(&self.device, size, settings);
-        // Compiled early, with everything else; tracing reports its errors.
-        let _ = self.prepare_targets(&targets);
-        targets
-    }
-
-    fn prepare_targets(&self, targets: &TraceTargets) -> Result<(), GiError> {
-        let (tracer, device, shaders) = (&self.tracer, &self.device, &self.shaders);
-        let layouts = [self.volume.globals_layout(), &self.lights_layout, &self.gbuffer_layout];
-        if targets.resolution() == TraceResolution::Half {
-            tracer.prepare_half(device, shaders, layouts)?;
-        }
-        if targets.is_temporal() {
-            tracer.prepare_temporal(device, shaders, layouts)
-        } else {
-            tracer.prepare_reconstruct(device, shaders, layouts)
-        }
-    }
-
-    /// Binds the caller's G-buffer for [`Self::trace`].
-    pub fn bind_gbuffer(&self, views: GBufferViews<'_>, view: CameraView) -> GBuffer {
-        GBuffer::new(&self.device, &self.gbuffer_layout, views, view)
-    }
-
-    /// Binds the resources of [`crate::GiConfig::gbuffer`]'s module, in the order of its bindings,
-    /// for [`Self::trace`]. wgpu reports resources that do not fit the bindings.
+    /// The G-buffer has Lumivox's own layout, or that of [`crate::GiConfig::gbuffer`]'s module:
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -64,7 +23,7 @@ impl Gi {
     /// # use glam::{Mat4, UVec2, Vec3};
     /// # use lumivox::gpu::Recorder;
     /// # use lumivox::hooks::Mounted;
-    /// # use lumivox::{CameraView, Gi, GiConfig, Grid, TraceSettings, wgpu};
+    /// # use lumivox::{CameraView, GBuffer, Gi, GiConfig, Grid, TraceSettings, wgpu};
     /// # let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO)?;
     /// # let size = UVec2::new(8, 8);
     /// # let depth = device.create_texture(&wgpu::TextureDescriptor {
@@ -105,26 +64,55 @@ impl Gi {
     /// };
     /// let gbuffer = Some(Mounted::new(module, [texture]));
     /// let gi = Gi::new(&device, &queue, GiConfig { gbuffer, ..GiConfig::new(grid) })?;
-    /// let view = CameraView::new(Mat4::IDENTITY, Vec3::ZERO, size);
-    /// let gbuffer = gi.bind_own_gbuffer(&[depth.into()], view);
-    ///
     /// let lights = gi.bind_lights(&[], Vec3::ONE, None);
     /// let settings = TraceSettings::default();
-    /// let targets = gi.targets(size, &settings);
+    /// let mut view = gi.view(GBuffer::Own(&[depth.into()]), size, &settings);
+    /// view.set_camera(&queue, CameraView::new(Mat4::IDENTITY, Vec3::ZERO));
     /// let mut recorder = Recorder::new(&device, &queue);
-    /// gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
+    /// gi.trace(&mut recorder, &mut view, &lights)?;
     /// recorder.submit();
     /// # Ok::<(), lumivox::GiError>(())
     /// # }).unwrap();
     /// ```
-    pub fn bind_own_gbuffer(&self, resources: &[Resource], view: CameraView) -> GBuffer {
-        GBuffer::own(&self.device, &self.gbuffer_layout, resources, view)
+    pub fn view<'a>(
+        &self,
+        gbuffer: impl Into<GBuffer<'a>>,
+        size: UVec2,
+        settings: &TraceSettings,
+    ) -> GiView {
+        let layout = &self.gbuffer_layout;
+        let view = GiView::new(&self.device, layout, gbuffer.into(), size, settings);
+        // Compiled early, with everything else; tracing reports its errors.
+        let _ = self.link_cones(view.resolution(), view.is_temporal());
+        view
     }
 
-    /// Traces the cones of one frame from the G-buffer into the targets. The settings must have the
-    /// resolution that the targets were created for. Several traces may be recorded before one
-    /// submission, each with its own settings; of those into the same targets the last one's result
-    /// stays. For several cameras bind one G-buffer each.
+    /// Binds other textures of the same size to a view.
+    pub fn bind_gbuffer<'a>(&self, view: &mut GiView, gbuffer: impl Into<GBuffer<'a>>) {
+        view.bind(&self.device, &self.gbuffer_layout, gbuffer.into());
+    }
+
+    /// Links the kernels that only cones of this kind use.
+    pub(super) fn link_cones(
+        &self,
+        resolution: TraceResolution,
+        is_temporal: bool,
+    ) -> Result<(), GiError> {
+        let (tracer, device, shaders) = (&self.tracer, &self.device, &self.shaders);
+        let layouts = [self.volume.globals_layout(), &self.lights_layout, &self.gbuffer_layout];
+        if resolution == TraceResolution::Half {
+            tracer.prepare_half(device, shaders, layouts)?;
+        }
+        if is_temporal {
+            tracer.prepare_temporal(device, shaders, layouts)
+        } else {
+            tracer.prepare_reconstruct(device, shaders, layouts)
+        }
+    }
+
+    /// Traces the cones of one frame from the G-buffer of a view into its textures. Several traces
+    /// may be recorded before one submission, each with its own settings; of those of the same view
+    /// the last one's result stays.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -155,8 +143,6 @@ impl Gi {
     /// # let clip_from_world = Mat4::IDENTITY;
     /// # let position = Vec3::ZERO;
     /// let settings = TraceSettings::default();
-    /// let targets = gi.targets(size, &settings);
-    /// let mut view = CameraView::new(clip_from_world, position, size);
     /// let views = GBufferViews {
     ///     depth: &depth,
     ///     normals: &normals,
@@ -165,16 +151,14 @@ impl Gi {
     ///     emission: &emission,
     ///     motion: None,
     /// };
-    /// let gbuffer = gi.bind_gbuffer(views, view);
-    /// for frame in 0..2 {
-    ///     view.previous_clip_from_world = view.clip_from_world;
-    ///     view.frame = frame;
-    ///     gbuffer.set_camera(&queue, view);
+    /// let mut view = gi.view(views, size, &settings);
+    /// for _ in 0..2 {
+    ///     view.set_camera(&queue, CameraView::new(clip_from_world, position));
     ///     let mut encoder = device.create_command_encoder(&Default::default());
-    ///     // The engine's G-buffer pass, then the cones, then its shading, which reads the
-    ///     // targets.
+    ///     // The engine's G-buffer pass, then the cones, then its shading, which reads
+    ///     // `view.irradiance()` and `view.specular()`.
     ///     let mut recorder = Recorder::on(&device, &queue, &mut encoder);
-    ///     gi.trace(&mut recorder, &gbuffer, &lights, &settings, &targets)?;
+    ///     gi.trace(&mut recorder, &mut view, &lights)?;
     ///     drop(recorder);
     ///     queue.submit([encoder.finish()]);
     /// }
@@ -187,27 +171,25 @@ impl Gi {
     pub fn trace(
         &self,
         recorder: &mut Recorder,
-        gbuffer: &GBuffer,
+        view: &mut GiView,
         lights: &Lights,
-        settings: &TraceSettings,
-        targets: &TraceTargets,
     ) -> Result<(), GiError> {
-        settings.validate()?;
-        self.prepare_targets(targets)?;
-        let cones = (settings, self.cone_values);
-        let resolution = targets.resolution();
+        view.settings.validate()?;
+        self.link_cones(view.resolution(), view.is_temporal())?;
+        let cones = (&view.settings, self.cone_values);
         let voxel_size_m = self.config.grid.voxel_size_m;
         let light = (self.bounces, self.volume.is_marched());
-        let screen = ScreenSettings::new(cones, resolution, voxel_size_m, light);
+        let screen = ScreenSettings::new(cones, view.resolution(), voxel_size_m, light);
         let bound = Bound {
             globals: self.volume.globals(),
             lights: &lights.group,
-            gbuffer,
+            gbuffer: view.group(),
             has_emitters: self.emitters.has_any(),
             hide_emission: &|recorder, hides| self.hide_emission(recorder, hides),
             content: [self.content, lights.version],
         };
-        self.tracer.run(recorder, &bound, targets, &screen);
+        self.tracer.run(recorder, &bound, view.targets(), &screen);
+        view.set_traced();
         Ok(())
     }
 

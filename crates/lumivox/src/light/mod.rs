@@ -70,7 +70,7 @@ pub(crate) enum Budget {
     /// All light from darkness: direct light, then a gather for each bounce except the last, which
     /// pixels do.
     Bounces(u32),
-    /// One gather of at most so many faces, which continues from the light so far. `None`: all
+    /// One gather of at most this number of faces, which continues from the light so far. `None`: all
     /// faces; with cascades, those of coarse ones less often.
     Faces(Option<u32>),
 }

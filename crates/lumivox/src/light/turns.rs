@@ -111,7 +111,7 @@ impl Turns {
         self.is_list_new = true;
     }
 
-    /// The work of lighting everything from darkness with so many bounces; `lights` is the version
+    /// The work of lighting everything from darkness with this number of bounces; `lights` is the version
     /// of the lights. Later frames continue from there.
     pub fn from_darkness(&mut self, lights: u64, bounces: u32) -> Turn {
         let gathers = bounces.saturating_sub(1);

@@ -9,6 +9,7 @@ mod gbuffer;
 mod targets;
 #[cfg(test)]
 pub(crate) mod tests;
+mod view;
 
 use std::sync::OnceLock;
 
@@ -21,11 +22,11 @@ use crate::emitters::SamplingKernel;
 use crate::gpu::{BindGroup, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
 use crate::temporal;
 
-#[cfg(test)]
-pub(crate) use gbuffer::CameraViewUniform;
 pub(crate) use gbuffer::gbuffer_layout;
-pub use gbuffer::{AS_THE_CAMERA, CameraView, GBuffer, GBufferViews};
-pub use targets::TraceTargets;
+pub use gbuffer::{AS_THE_CAMERA, GBuffer, GBufferViews};
+#[cfg(test)]
+pub(crate) use view::CameraViewUniform;
+pub use view::{CameraView, GiView};
 
 /// Format of the outputs.
 const OUTPUT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -237,7 +238,7 @@ impl Tracer {
         &self,
         recorder: &mut Recorder,
         bound: &Bound<'_>,
-        targets: &TraceTargets,
+        targets: &targets::TraceTargets,
         settings: &ScreenSettings,
     ) {
         let device = recorder.device().clone();
@@ -252,7 +253,7 @@ impl Tracer {
             let own =
                 ScreenSettings { remembers, has_changed, turns, listed_turns, shares, ..*settings };
             slot.set(recorder.queue(), &own);
-            let group = |own| [bound.globals, own, bound.lights, &bound.gbuffer.group];
+            let group = |own| [bound.globals, own, bound.lights, bound.gbuffer];
             let UVec2 { x, y } = targets.traced_size();
             // Diffuse cones must not find emitters as well, since their pixels sample emitters
             // explicitly.
@@ -276,7 +277,7 @@ impl Tracer {
             if let Some(((past, groups), kernels)) = temporal {
                 let settings = (slot.settings(), targets.reflected_distance());
                 let former = past.former_group(&device, &self.temporal, settings);
-                let groups_of = [bound.globals, &bound.gbuffer.group];
+                let groups_of = [bound.globals, bound.gbuffer];
                 past.blend(recorder, kernels, groups, groups_of, former.as_ref());
             } else if let (Some(own), Some(kernel)) = (&slot.reconstruct, self.reconstruct.get()) {
                 let UVec2 { x, y } = targets.size();
@@ -306,7 +307,7 @@ impl Tracer {
 pub(crate) struct Bound<'a> {
     pub(crate) globals: &'a BindGroup,
     pub(crate) lights: &'a BindGroup,
-    pub(crate) gbuffer: &'a GBuffer,
+    pub(crate) gbuffer: &'a BindGroup,
     /// `true` if emitters are listed.
     pub(crate) has_emitters: bool,
     /// Makes the volume show only reflected light, or all light again.

@@ -13,16 +13,10 @@ use crate::temporal::{self, Past};
 
 /// The textures that cones are traced into, for one size of picture.
 #[derive(Debug)]
-pub struct TraceTargets {
-    /// Irradiance in rgb; in a the open share of the hemisphere, weighted by the cosine.
-    pub irradiance: TextureView,
-    /// Radiance reflected by the glossy lobe towards the camera in rgb, including the BRDF; in a
-    /// the number of samples of the pixel, including diffuse ones.
-    pub specular: TextureView,
-    /// Records of each pixel's surface, if light of earlier frames is kept: `Rg32Uint`, decoded by
-    /// `package::temporal::record::decode_record`. They contain the number of frames in the mean of
-    /// the light, and whether the surface was newly seen; zeros where there is no surface.
-    pub records: Option<TextureView>,
+pub(crate) struct TraceTargets {
+    pub(super) irradiance: TextureView,
+    pub(super) specular: TextureView,
+    pub(super) records: Option<TextureView>,
     /// The textures of `irradiance` and `specular`.
     outputs: [Texture; 2],
     size: UVec2,
@@ -174,18 +168,14 @@ impl TraceTargets {
         cones + outputs + listed + past
     }
 
-    /// Discards the light of earlier frames. Call it for a cut, another scene or another view, so
-    /// that nothing of the old picture shows through.
+    /// Discards the light of earlier frames.
     pub fn forget(&self) {
         if let Some(past) = &self.past {
             past.forget();
         }
     }
 
-    /// Takes over the light of earlier frames from targets of another size, so that the next frame
-    /// continues from it: for pictures whose size depends on the frame rate. Both must belong to
-    /// the same [`Gi`](crate::Gi), and [`CameraView::frame`](crate::CameraView::frame) must
-    /// continue to count. Does nothing unless both keep light of earlier frames.
+    /// Takes over the light of earlier frames from targets of another size.
     pub fn take_past(&self, former: &Self) {
         if let (Some(past), Some(former)) = (&self.past, &former.past) {
             past.take(former);

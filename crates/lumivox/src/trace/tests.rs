@@ -4,7 +4,8 @@ pub(crate) mod room;
 
 use glam::{Mat4, UVec2, Vec2, Vec3};
 
-use super::{AS_THE_CAMERA, CameraView, GBuffer, GBufferViews, TraceTargets};
+use super::targets::TraceTargets;
+use super::{AS_THE_CAMERA, CameraView, GBuffer, GBufferViews, GiView};
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Timing, storage_buffer,
 };
@@ -20,7 +21,8 @@ struct Room {
     queue: wgpu::Queue,
     gi: Gi,
     lights: Lights,
-    gbuffer: GBuffer,
+    /// The textures of its G-buffer: depth, and either all others or one packed one.
+    textures: Vec<wgpu::TextureView>,
 }
 
 fn lit(config: GiConfig) -> (Pipelines, wgpu::Queue, Gi, Lights) {
@@ -42,9 +44,10 @@ fn grid() -> Grid {
 impl Room {
     fn new() -> Self {
         let (device, queue, gi, lights) = lit(GiConfig::new(grid()));
-        let view = room::view(SIZE);
-        let gbuffer = gbuffer_of_views(&device, &queue, &gi, (view, None));
-        Self { device, queue, gi, lights, gbuffer }
+        let (depth, colors) =
+            room::draw((&device, &queue), (room::view(SIZE), SIZE), "textures", &room::FORMATS);
+        let textures = [vec![depth], colors].concat();
+        Self { device, queue, gi, lights, textures }
     }
 
     /// With the same G-buffer in a layout of its own.
@@ -58,22 +61,33 @@ impl Room {
         let module = Mounted::new(include_str!("tests/packed.wgsl"), bindings);
         let config = GiConfig { gbuffer: Some(module), ..GiConfig::new(grid()) };
         let (device, queue, gi, lights) = lit(config);
-        let view = room::view(SIZE);
-        let (depth, colors) = room::draw((&device, &queue), view, "textures", &room::FORMATS);
+        let (depth, colors) =
+            room::draw((&device, &queue), (room::view(SIZE), SIZE), "textures", &room::FORMATS);
         let packed = pack(&device, &queue, &colors);
-        let gbuffer = gi.bind_own_gbuffer(&[packed.into(), depth.into()], view);
-        Self { device, queue, gi, lights, gbuffer }
+        Self { device, queue, gi, lights, textures: vec![packed, depth] }
     }
 
-    fn targets(&self, settings: &TraceSettings) -> TraceTargets {
-        self.gi.targets(SIZE, settings)
+    /// The room seen by [`room::view`].
+    fn view(&self, settings: &TraceSettings) -> GiView {
+        self.view_with(settings, None)
     }
 
-    fn trace(&self, encoder: &mut wgpu::CommandEncoder, to: &TraceTargets, with: &TraceSettings) {
+    fn view_with(&self, settings: &TraceSettings, motion: Option<&wgpu::TextureView>) -> GiView {
+        let own: Vec<_> = self.textures.iter().cloned().map(Into::into).collect();
+        let gbuffer = match self.textures.as_slice() {
+            [depth, normals, diffuse, specular, emission] => {
+                GBufferViews { depth, normals, diffuse, specular, emission, motion }.into()
+            }
+            _ => GBuffer::Own(&own),
+        };
+        let mut view = self.gi.view(gbuffer, SIZE, settings);
+        view.set_camera(&self.queue, room::view(SIZE));
+        view
+    }
+
+    fn trace(&self, encoder: &mut wgpu::CommandEncoder, view: &mut GiView) {
         let mut recorder = Recorder::on(&self.device, &self.queue, encoder);
-        self.gi
-            .trace(&mut recorder, &self.gbuffer, &self.lights, with, to)
-            .expect("valid settings");
+        self.gi.trace(&mut recorder, view, &self.lights).expect("valid settings");
     }
 
     fn encoder(&self) -> wgpu::CommandEncoder {
@@ -82,28 +96,13 @@ impl Room {
 
     /// A trace in a submission of its own.
     fn alone(&self, settings: &TraceSettings) -> Vec<u8> {
-        let targets = self.targets(settings);
+        let mut view = self.view(settings);
         let mut encoder = self.encoder();
-        self.trace(&mut encoder, &targets, settings);
-        let picture = copied(&self.device, &mut encoder, &targets);
+        self.trace(&mut encoder, &mut view);
+        let picture = copied(&self.device, &mut encoder, &view);
         self.queue.submit([encoder.finish()]);
         picture.read(&self.device, &self.queue)
     }
-}
-
-/// Binds textures as Lumivox's own G-buffer module has them.
-fn gbuffer_of_views(
-    device: &Pipelines,
-    queue: &wgpu::Queue,
-    gi: &Gi,
-    (view, motion): (CameraView, Option<&wgpu::TextureView>),
-) -> GBuffer {
-    let (depth, colors) = room::draw((device, queue), view, "textures", &room::FORMATS);
-    let [normals, diffuse, specular, emission] = colors.as_slice() else {
-        unreachable!("there are four formats");
-    };
-    let views = GBufferViews { depth: &depth, normals, diffuse, specular, emission, motion };
-    gi.bind_gbuffer(views, view)
 }
 
 const PACK_WGSL: &str = "
@@ -165,13 +164,9 @@ struct Copied(crate::gpu::Buffer);
 
 const PICTURE_BYTES: u64 = 256 * SIZE.y as u64;
 
-fn copied(
-    device: &Pipelines,
-    encoder: &mut wgpu::CommandEncoder,
-    targets: &TraceTargets,
-) -> Copied {
+fn copied(device: &Pipelines, encoder: &mut wgpu::CommandEncoder, view: &GiView) -> Copied {
     let buffer = storage_buffer(device, "pictures", 2 * PICTURE_BYTES);
-    for (number, view) in [&targets.irradiance, &targets.specular].into_iter().enumerate() {
+    for (number, view) in [view.irradiance(), view.specular()].into_iter().enumerate() {
         encoder.copy_texture_to_buffer(
             view.texture().as_image_copy(),
             wgpu::TexelCopyBufferInfo {
@@ -219,17 +214,19 @@ fn traces_of_one_submission_see_their_own_settings() {
         assert_ne!(alone[0], alone[1], "the settings change nothing");
 
         // Into the same targets, one after the other.
-        let targets = room.targets(&first);
+        let mut view = room.view(&first);
         let mut encoder = room.encoder();
         let mut pictures = Vec::new();
-        for settings in [&first, &second] {
-            room.trace(&mut encoder, &targets, settings);
-            pictures.push(copied(&room.device, &mut encoder, &targets));
+        for settings in [first, second] {
+            view.settings = settings;
+            room.trace(&mut encoder, &mut view);
+            pictures.push(copied(&room.device, &mut encoder, &view));
         }
         // And into targets of their own, the copies last.
-        let own = [room.targets(&first), room.targets(&second)];
-        room.trace(&mut encoder, &own[0], &first);
-        room.trace(&mut encoder, &own[1], &second);
+        let mut own = [room.view(&first), room.view(&second)];
+        for view in &mut own {
+            room.trace(&mut encoder, view);
+        }
         pictures.extend(own.each_ref().map(|own| copied(&room.device, &mut encoder, own)));
         room.queue.submit([encoder.finish()]);
         for (number, picture) in pictures.iter().enumerate() {
@@ -243,27 +240,27 @@ fn traces_of_one_submission_see_their_own_settings() {
 fn steady_frames_make_no_new_slots() {
     let room = Room::new();
     let [settings, _] = settings(TraceResolution::Half);
-    let targets = room.targets(&settings);
+    let mut view = room.view(&settings);
     for frame in 0..8 {
         let mut encoder = room.encoder();
-        room.trace(&mut encoder, &targets, &settings);
+        room.trace(&mut encoder, &mut view);
         room.queue.submit([encoder.finish()]);
         // The device's callbacks free slots; another test's thread may be the one that calls them.
-        while !targets.are_slots_free() {
+        while !view.targets().are_slots_free() {
             room.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device is there");
             std::thread::yield_now();
         }
-        assert_eq!(targets.slot_count(), 1, "frame {frame}");
+        assert_eq!(view.targets().slot_count(), 1, "frame {frame}");
     }
     // With two under way there are two.
     let (mut first, mut second) = (room.encoder(), room.encoder());
-    room.trace(&mut first, &targets, &settings);
-    room.trace(&mut second, &targets, &settings);
-    assert_eq!(targets.slot_count(), 2);
+    room.trace(&mut first, &mut view);
+    room.trace(&mut second, &mut view);
+    assert_eq!(view.targets().slot_count(), 2);
     // One that is given up frees its slot.
     drop(first);
-    room.trace(&mut second, &targets, &settings);
-    assert_eq!(targets.slot_count(), 2);
+    room.trace(&mut second, &mut view);
+    assert_eq!(view.targets().slot_count(), 2);
 }
 
 #[test]
@@ -289,16 +286,16 @@ fn what_is_forgotten_does_not_shine_through() {
     for resolution in [TraceResolution::Full, TraceResolution::Half] {
         let settings = TraceSettings { resolution, ..TraceSettings::preset(Preset::Realtime) };
         let fresh = room.alone(&settings);
-        let targets = room.targets(&settings);
-        assert!(targets.is_temporal());
+        let mut view = room.view(&settings);
+        assert!(view.is_temporal());
         let mut pictures = Vec::new();
         for forgets in [false, false, true] {
             if forgets {
-                targets.forget();
+                view.forget();
             }
             let mut encoder = room.encoder();
-            room.trace(&mut encoder, &targets, &settings);
-            let picture = copied(&room.device, &mut encoder, &targets);
+            room.trace(&mut encoder, &mut view);
+            let picture = copied(&room.device, &mut encoder, &view);
             room.queue.submit([encoder.finish()]);
             pictures.push(picture.read(&room.device, &room.queue));
         }
@@ -314,15 +311,14 @@ fn what_is_not_a_number_is_not_remembered() {
     let room = Room::new();
     for resolution in [TraceResolution::Full, TraceResolution::Half] {
         let settings = TraceSettings { resolution, ..TraceSettings::preset(Preset::Realtime) };
-        let targets = room.targets(&settings);
+        let mut view = room.view(&settings);
         let broken = room.gi.bind_lights(&[], Vec3::splat(f32::NAN), None);
         let frames = [&room.lights, &broken, &room.lights].map(|lights| {
             let mut encoder = room.encoder();
             let mut recorder = Recorder::on(&room.device, &room.queue, &mut encoder);
-            let traced = room.gi.trace(&mut recorder, &room.gbuffer, lights, &settings, &targets);
-            traced.expect("valid settings");
+            room.gi.trace(&mut recorder, &mut view, lights).expect("valid settings");
             drop(recorder);
-            let picture = copied(&room.device, &mut encoder, &targets);
+            let picture = copied(&room.device, &mut encoder, &view);
             room.queue.submit([encoder.finish()]);
             picture.read(&room.device, &room.queue)
         });
@@ -360,7 +356,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 }";
 
 /// The result of `load_motion` for each pixel, row by row.
-fn motion_of(room: &Room, gbuffer: &GBuffer) -> Vec<Vec2> {
+fn motion_of(room: &Room, seen: &GiView) -> Vec<Vec2> {
     let Room { device, queue, gi, .. } = room;
     let mut shaders = gi.shaders().clone();
     shaders.add("test::motion", MOTION_WGSL);
@@ -371,7 +367,7 @@ fn motion_of(room: &Room, gbuffer: &GBuffer) -> Vec<Vec2> {
     let output = storage_buffer(device, "motion", 8 * pixels);
     let group = BindGroupBuilder::new(&layout).buffer(&output).build(device, "motion");
     let mut recorder = Recorder::new(device, queue);
-    let groups = [gi.globals(), &group, &room.lights.group, &gbuffer.group];
+    let groups = [gi.globals(), &group, &room.lights.group, seen.group()];
     kernel.run(&mut recorder, &groups, [SIZE.x, SIZE.y, 1]);
     recorder.submit();
     read(device, queue, &output, pixels as usize)
@@ -387,10 +383,14 @@ fn motion_is_where_the_surface_is_minus_where_it_was() {
     let moved =
         Mat4::from_translation(Vec3::new(0.2, 0.1, 0.0)) * Mat4::from_scale(Vec3::splat(0.5));
     let previous = moved * view.clip_from_world;
-    let mut with_previous = CameraView { previous_clip_from_world: previous, ..view };
-    let views = (with_previous, None);
-    let gbuffer = gbuffer_of_views(&room.device, &room.queue, &room.gi, views);
-    for (index, motion) in motion_of(&room, &gbuffer).into_iter().enumerate() {
+    let settings = TraceSettings::default();
+    let mut seen = room.view(&settings);
+    // A jitter is not motion.
+    let jitter = Vec2::new(0.3, -0.2);
+    seen.set_camera(&room.queue, CameraView { clip_from_world: previous, jitter, ..view });
+    room.trace(&mut room.encoder(), &mut seen);
+    seen.set_camera(&room.queue, view);
+    for (index, motion) in motion_of(&room, &seen).into_iter().enumerate() {
         let pixel = UVec2::new(index as u32 % SIZE.x, index as u32 / SIZE.x);
         let uv = (pixel.as_vec2() + 0.5) / SIZE.as_vec2();
         // The place of the room that the pixel shows.
@@ -407,9 +407,9 @@ fn motion_is_where_the_surface_is_minus_where_it_was() {
     }
 
     // A camera that did not move gives no motion.
-    with_previous.previous_clip_from_world = view.clip_from_world;
-    gbuffer.set_camera(&room.queue, with_previous);
-    let still = motion_of(&room, &gbuffer);
+    seen.forget();
+    seen.set_camera(&room.queue, view);
+    let still = motion_of(&room, &seen);
     assert!(still.iter().all(|motion| motion.length() < 1e-4));
 
     let size = wgpu::Extent3d { width: SIZE.x, height: SIZE.y, ..Default::default() };
@@ -436,9 +436,7 @@ fn motion_is_where_the_surface_is_minus_where_it_was() {
     let bytes = bytemuck::cast_slice(&content);
     room.queue.write_texture(texture.as_image_copy(), bytes, layout, size);
     let motion = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    let views = (view, Some(&motion));
-    let gbuffer = gbuffer_of_views(&room.device, &room.queue, &room.gi, views);
-    let read = motion_of(&room, &gbuffer);
+    let read = motion_of(&room, &room.view_with(&settings, Some(&motion)));
     assert!(read[7].length() < 1e-4, "{}", read[7]);
     content[7] = read[7].to_array();
     assert!(read.iter().zip(&content).all(|(read, written)| *read == Vec2::from(*written)));

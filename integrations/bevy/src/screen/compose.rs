@@ -5,7 +5,7 @@ use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan};
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, RenderPass, uniform_buffer,
 };
-use lumivox::{GBuffer, Gi, GiError, TraceTargets, wgpu};
+use lumivox::{Gi, GiError, GiView, wgpu};
 
 /// Format of Bevy's HDR pictures.
 pub(crate) const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -71,24 +71,24 @@ impl Compose {
         Ok(Self { pipeline: pipelines.draw(plan), layout, nothing })
     }
 
-    pub(crate) fn view(&self, gi: &Gi, targets: &TraceTargets) -> ComposeView {
+    pub(crate) fn view(&self, gi: &Gi, traced: &GiView) -> ComposeView {
         let device = gi.pipelines().device();
         let settings = uniform_buffer(device, "compose", &ComposeSettings::new(0.0));
         let group = BindGroupBuilder::new(&self.layout)
             .buffer(&settings)
-            .view(&targets.irradiance)
-            .view(&targets.specular)
+            .view(traced.irradiance())
+            .view(traced.specular())
             .build(device, "compose");
         ComposeView { group, settings, factor: 0.0 }
     }
 
     /// Draws into a picture, within its viewport.
-    pub(crate) fn draw(&self, pass: &mut RenderPass<'_>, view: &ComposeView, gbuffer: &GBuffer) {
+    pub(crate) fn draw(&self, pass: &mut RenderPass<'_>, view: &ComposeView, traced: &GiView) {
         pass.set_pipeline(&self.pipeline);
         pass.bind(0, &self.nothing);
         pass.bind(1, &view.group);
         pass.bind(2, &self.nothing);
-        pass.bind(3, &gbuffer.group);
+        pass.bind(3, traced.group());
         pass.draw(0..3, 0..1);
     }
 }

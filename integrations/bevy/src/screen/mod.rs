@@ -13,7 +13,7 @@ use bevy::render::renderer::{RenderContext, RenderQueue, ViewQuery};
 use bevy::render::view::{ExtractedView, ViewTarget};
 use lumivox::gpu::{Buffer, Recorder, uniform_buffer};
 use lumivox::hooks::Resource as Bound;
-use lumivox::{CameraView, GBuffer, TraceSettings, TraceTargets, wgpu};
+use lumivox::{CameraView, GBuffer, GiView, TraceSettings, wgpu};
 
 use crate::report::{LumivoxEvent, Reports};
 use crate::screen::compose::{ComposeView, PICTURE_FORMAT};
@@ -27,18 +27,13 @@ pub(crate) struct Screen {
     key: VolumeKey,
     /// Number of the voxels that it was made for.
     number: u64,
-    settings: TraceSettings,
-    targets: TraceTargets,
+    view: GiView,
     compose: ComposeView,
-    gbuffer: GBuffer,
-    /// The textures that `gbuffer` binds.
+    /// The textures that `view` binds.
     bound: [wgpu::Texture; 3],
     /// `Place` of `gbuffer.wgsl`.
     place: Buffer,
     origin: UVec2,
-    /// Matrices of the previous frame without jitter: clip from view, and view from world.
-    previous: [Mat4; 2],
-    frame: u32,
     /// Whether everything is ready in this frame.
     is_ready: bool,
 }
@@ -60,27 +55,11 @@ struct Camera<'a> {
 }
 
 impl Camera<'_> {
-    /// Adds this frame's jitter, if any, to a clip-from-view matrix.
-    fn jittered(&self, mut clip_from_view: Mat4) -> Mat4 {
-        if let Some(jitter) = self.jitter {
-            jitter.jitter_projection(&mut clip_from_view, self.size.as_vec2());
-        }
-        clip_from_view
-    }
-
-    fn matrices(&self) -> [Mat4; 2] {
-        [self.view.clip_from_view, self.view.world_from_view.to_matrix().inverse()]
-    }
-
-    /// The camera in Lumivox's form, from the previous frame's [`Self::matrices`] and a frame
-    /// number.
-    fn to_lumivox(&self, [clip_from_view, view_from_world]: [Mat4; 2], frame: u32) -> CameraView {
-        let [now_clip_from_view, now_view_from_world] = self.matrices();
-        let clip_from_world = self.jittered(now_clip_from_view) * now_view_from_world;
-        let position = self.view.world_from_view.translation();
-        let mut camera = CameraView::new(clip_from_world, position, self.size);
-        camera.previous_clip_from_world = self.jittered(clip_from_view) * view_from_world;
-        camera.frame = frame;
+    /// The camera in Lumivox's form.
+    fn to_lumivox(&self) -> CameraView {
+        let view_from_world = self.view.world_from_view.to_matrix().inverse();
+        let clip_from_world = self.view.clip_from_view * view_from_world;
+        let mut camera = CameraView::new(clip_from_world, self.view.world_from_view.translation());
         camera.jitter = self.jitter.map_or(Vec2::ZERO, |jitter| -jitter.offset);
         camera
     }
@@ -135,19 +114,19 @@ pub(crate) fn prepare_screens(
         let settings = gi_view.gi.trace_settings();
         let is_right = |screen: &Screen| {
             screen.number == voxels.number
-                && screen.settings.resolution == settings.resolution
-                && screen.settings.temporal == settings.temporal
-                && screen.targets.size() == camera.size
+                && screen.view.resolution() == settings.resolution
+                && screen.view.is_temporal() == settings.temporal
+                && screen.view.size() == camera.size
         };
         let factor = volumes.unit() * gi_view.exposure;
         match screen {
             Some(mut screen) if is_right(&screen) => {
-                screen.settings = settings;
-                screen.follow(voxels, (&views, ids), &camera, &queue);
+                screen.view.settings = settings;
+                screen.set_frame(voxels, (&views, ids), &camera, &queue);
                 screen.compose.set(&queue, factor);
             }
             _ => {
-                let mut screen = Screen::new(voxels, (&views, ids), &camera, settings);
+                let mut screen = Screen::new(voxels, (&views, ids), &camera, settings, &queue);
                 screen.key = gi_view.key;
                 screen.compose.set(&queue, factor);
                 commands.entity(gi_view.entity).insert(screen);
@@ -173,60 +152,53 @@ impl Screen {
         (views, ids): (&[Bound; 3], [wgpu::Texture; 3]),
         camera: &Camera<'_>,
         settings: TraceSettings,
+        queue: &wgpu::Queue,
     ) -> Self {
         let gi = &voxels.gi;
-        let targets = gi.targets(camera.size, &settings);
         let origin = Place { origin: camera.origin.to_array(), padding: [0; 2] };
         let place = uniform_buffer(gi.pipelines().device(), "place of the viewport", &origin);
-        let previous = camera.matrices();
-        let gbuffer = bind(voxels, views, &place, camera.to_lumivox(previous, 0));
-        let compose = voxels.compose.view(gi, &targets);
+        let gbuffer = resources(views, &place);
+        let mut view = gi.view(GBuffer::Own(&gbuffer), camera.size, &settings);
+        view.set_camera(queue, camera.to_lumivox());
         Self {
             key: VolumeKey::new(&crate::GiVolume::default(), Entity::PLACEHOLDER),
             number: voxels.number,
-            settings,
-            targets,
-            compose,
-            gbuffer,
+            compose: voxels.compose.view(gi, &view),
+            view,
             bound: ids,
             place,
             origin: camera.origin,
-            previous,
-            frame: 0,
             is_ready: true,
         }
     }
 
-    /// Advances to the next frame, of the same size and settings.
-    fn follow(
+    /// Sets the camera and the textures of the next frame, of the same size and settings.
+    fn set_frame(
         &mut self,
         voxels: &Voxels,
         (views, ids): (&[Bound; 3], [wgpu::Texture; 3]),
         camera: &Camera<'_>,
         queue: &wgpu::Queue,
     ) {
-        self.frame = self.frame.wrapping_add(1);
-        let view = camera.to_lumivox(self.previous, self.frame);
-        self.previous = camera.matrices();
         if self.origin != camera.origin {
             self.origin = camera.origin;
             let place = Place { origin: camera.origin.to_array(), padding: [0; 2] };
             queue.write_buffer(&self.place, 0, bytemuck::bytes_of(&place));
         }
-        if self.bound == ids {
-            self.gbuffer.set_camera(queue, view);
-        } else {
-            self.gbuffer = bind(voxels, views, &self.place, view);
+        if self.bound != ids {
+            let gbuffer = resources(views, &self.place);
+            voxels.gi.bind_gbuffer(&mut self.view, GBuffer::Own(&gbuffer));
             self.bound = ids;
         }
+        self.view.set_camera(queue, camera.to_lumivox());
         self.is_ready = true;
     }
 }
 
-fn bind(voxels: &Voxels, views: &[Bound; 3], place: &Buffer, camera: CameraView) -> GBuffer {
+/// The resources in the order of the module's bindings.
+fn resources(views: &[Bound; 3], place: &Buffer) -> [Bound; 4] {
     let [deferred, depth, motion] = views.clone();
-    let place = Bound::Buffer((**place).clone());
-    voxels.gi.bind_own_gbuffer(&[deferred, depth, motion, place], camera)
+    [deferred, depth, motion, Bound::Buffer((**place).clone())]
 }
 
 /// Traces the cones of a camera and adds their light to its picture, between the opaque and the
@@ -251,13 +223,7 @@ pub(crate) fn light_screen(
     let encoder = context.command_encoder();
     let span = diagnostics.as_ref().map(|to| to.time_span(encoder, "lumivox/trace"));
     let mut recorder = Recorder::on(&device, &queue, encoder);
-    let traced = voxels.gi.trace(
-        &mut recorder,
-        &screen.gbuffer,
-        &voxels.lights,
-        &screen.settings,
-        &screen.targets,
-    );
+    let traced = voxels.gi.trace(&mut recorder, &mut screen.view, &voxels.lights);
     match traced {
         Ok(()) => {
             let picture = [Some(target.get_color_attachment())];
@@ -268,7 +234,7 @@ pub(crate) fn light_screen(
                         [place.x, place.y, size.x, size.y].map(|n| n as f32);
                     pass.set_viewport(x, y, width, height, 0.0, 1.0);
                 }
-                voxels.compose.draw(pass, &screen.compose, &screen.gbuffer);
+                voxels.compose.draw(pass, &screen.compose, &screen.view);
             });
         }
         Err(error) => reports.once(LumivoxEvent::Failed { error: error.to_string() }),

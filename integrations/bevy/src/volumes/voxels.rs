@@ -115,9 +115,7 @@ pub(crate) fn make(
             ..GiConfig::new(grid)
         };
         let gi = Gi::with_pipelines(&pipelines, &queue, config)?;
-        // Creates the kernels of these settings, to be compiled with all others.
-        gi.targets(UVec2::splat(8), &settings.trace_settings());
-        gi.prepare(&Geometry::default(), 1, true);
+        gi.prepare(&Geometry::default(), 1, true, &settings.trace_settings())?;
         let compose = Compose::new(&gi)?;
         let cube = EnvironmentCube::new(&pipelines, gi.shaders(), EDGE)?;
         Ok((pipelines, Made { gi, cube, compose, probe_kernels: None }))

@@ -5,7 +5,7 @@ use lumivox::gpu::{
     BindGroupBuilder, Buffer, Kernel, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture,
     TextureView, uniform_buffer,
 };
-use lumivox::{CameraView, GBuffer, Gi};
+use lumivox::{Gi, GiView};
 
 use super::edges::{Edges, ranges};
 use super::lines::{Lines, all};
@@ -31,11 +31,11 @@ pub(crate) struct Shown {
 /// The camera and the textures of an overlay's frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OverlayView<'a> {
-    pub(crate) view: &'a CameraView,
+    /// The camera, and the G-buffer of the same frame; it is used if surfaces hide parts of the
+    /// overlay.
+    pub(crate) view: &'a GiView,
     pub(crate) scene: &'a GpuScene,
     pub(crate) gi: &'a Gi,
-    /// The G-buffer of the same frame; used if surfaces hide parts of the overlay.
-    pub(crate) gbuffer: &'a GBuffer,
     pub(crate) surfaces: &'a GBufferTargets,
 }
 
@@ -136,7 +136,7 @@ impl OverlayPass {
         recorder.stage("overlay");
         let has_wires = overlay.wire_voxels != Wires::Off && seen.gi.voxels().is_some();
         if let Some(voxels) = self.voxels.as_ref().filter(|_| has_wires) {
-            let (from, what) = ((seen.gi, seen.gbuffer), (overlay, self.shown.voxel_level));
+            let (from, what) = ((seen.gi, seen.view), (overlay, self.shown.voxel_level));
             voxels.record(recorder, from, what, background, &self.frame);
         }
         let records = &seen.scene.draw_records;

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4, Vec4Swizzles as _};
-use lumivox::CameraView;
+use lumivox::GiView;
 use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
 use lumivox::gpu::{LayoutBuilder, Pipelines, ShaderError};
 
@@ -28,20 +28,22 @@ pub(crate) struct SegmentView {
 }
 
 impl SegmentView {
-    pub(super) fn new(view: &CameraView, overlay: &Overlay) -> Self {
+    pub(super) fn new(view: &GiView, overlay: &Overlay) -> Self {
         // At infinity, clip-space points are directions; w is not exactly 0 because the matrix is
         // rounded.
-        let world_from_clip = view.clip_from_world.inverse();
-        let ray = |column: Vec4| (column.xyz() - column.w * view.position).to_array();
+        let clip_from_world = view.clip_from_world();
+        let world_from_clip = clip_from_world.inverse();
+        let position = view.camera().position;
+        let ray = |column: Vec4| (column.xyz() - column.w * position).to_array();
         Self {
-            clip_from_world: view.clip_from_world,
+            clip_from_world,
             ray_middle: ray(world_from_clip.w_axis),
             wire_is_tested: u32::from(overlay.wireframe == Wireframe::Over),
             ray_across: ray(world_from_clip.x_axis),
             wire_width: WIREFRAME_WIDTH,
             ray_up: ray(world_from_clip.y_axis),
             padding_0: 0,
-            size: view.size.as_vec2().to_array(),
+            size: view.size().as_vec2().to_array(),
             padding_1: [0; 2],
             wire_color: WIREFRAME_COLOR,
         }

@@ -5,7 +5,7 @@ use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
     ShaderLibrary, TextureView, uniform_buffer,
 };
-use lumivox::{GBuffer, Gi};
+use lumivox::{Gi, GiView};
 
 use super::segment::FRAME_FORMAT;
 use super::{Overlay, WIRE_VOXEL_COLOR, Wires};
@@ -57,7 +57,7 @@ impl WireVoxels {
     pub(super) fn record(
         &self,
         recorder: &mut Recorder,
-        (gi, gbuffer): (&Gi, &GBuffer),
+        (gi, view): (&Gi, &GiView),
         (overlay, level): (&Overlay, u32),
         background: [f32; 4],
         frame: &TextureView,
@@ -77,7 +77,7 @@ impl WireVoxels {
             .view(frame)
             .buffer(&voxels.occupancy)
             .build(recorder.device(), "wire voxels");
-        let groups = [gi.cell_globals(), &group, &self.nothing, &gbuffer.group];
-        self.kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);
+        let groups = [gi.cell_globals(), &group, &self.nothing, view.group()];
+        self.kernel.run(recorder, &groups, [view.size().x, view.size().y, 1]);
     }
 }

@@ -17,7 +17,7 @@ use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
     ShaderLibrary, TextureView, uniform_buffer,
 };
-use lumivox::{GBuffer, Gi, Lights, VolumeKind};
+use lumivox::{Gi, GiView, Lights, VolumeKind};
 
 use crate::View;
 use crate::passes::composite::{CompositeTargets, PICTURE_FORMAT};
@@ -74,13 +74,13 @@ impl VoxelViewPass {
         recorder: &mut Recorder,
         gi: &Gi,
         lights: &Lights,
-        gbuffer: &GBuffer,
+        gbuffer: &GiView,
         (view, level): (View, u32),
         vertical_fov_rad: f32,
     ) -> Result<(), ShaderError> {
         let view = shown(view, gi);
         let kernel = self.prepare(gi, view)?.clone();
-        let pixel_slope = 2.0 * (0.5 * vertical_fov_rad).tan() / gbuffer.size.y as f32;
+        let pixel_slope = 2.0 * (0.5 * vertical_fov_rad).tan() / gbuffer.size().y as f32;
         let settings = VoxelViewSettings { level, pixel_slope, padding: [0; 2] };
         recorder.queue().write_buffer(&self.settings, 0, bytemuck::bytes_of(&settings));
         let wired = gi.voxels().filter(|_| view == View::WireVoxels);
@@ -92,8 +92,8 @@ impl VoxelViewPass {
                 .build(recorder.device(), "wire voxels")
         });
         let own = own.as_ref().unwrap_or(&self.group);
-        let groups = [gi.cell_globals(), own, &lights.group, &gbuffer.group];
-        kernel.run(recorder, &groups, [gbuffer.size.x, gbuffer.size.y, 1]);
+        let groups = [gi.cell_globals(), own, &lights.group, gbuffer.group()];
+        kernel.run(recorder, &groups, [gbuffer.size().x, gbuffer.size().y, 1]);
         Ok(())
     }
 

@@ -86,7 +86,7 @@ fn shadow_maps_of_another_layout_give_the_same_bits() {
         [0.0, 2.0, 0.0, 0.0],
         [-1.0, -1.0, 0.25, 1.0],
     ]);
-    let view = CameraView::new(clip_from_world, Vec3::ZERO, size);
+    let view = CameraView::new(clip_from_world, Vec3::ZERO);
     let source = LightSource::Directional {
         direction: Vec3::NEG_Y,
         irradiance: Vec3::ONE,
@@ -96,7 +96,7 @@ fn shadow_maps_of_another_layout_give_the_same_bits() {
     let mapped = light(Shadow::Map { first_layer: 0 });
 
     let mut lab = Lab::new(None);
-    let (depth, _) = room::draw((&lab.device, &lab.queue), view, "shadow", &[]);
+    let (depth, _) = room::draw((&lab.device, &lab.queue), (view, size), "shadow", &[]);
     let array = wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
@@ -123,7 +123,7 @@ fn shadow_maps_of_another_layout_give_the_same_bits() {
     };
     let module = Mounted::new(include_str!("tests/forward.wgsl"), [buffer, texture, sampler]);
     let mut lab = Lab::new(Some(module));
-    let (depth, _) = room::draw((&lab.device, &lab.queue), view, "forward_shadow", &[]);
+    let (depth, _) = room::draw((&lab.device, &lab.queue), (view, size), "forward_shadow", &[]);
     let matrix = upload(&lab.device, "matrix", &[clip_from_world]);
     let sampler = lab.device.create_sampler(&wgpu::SamplerDescriptor {
         mag_filter: wgpu::FilterMode::Linear,

@@ -28,19 +28,19 @@ pub(crate) fn view(size: UVec2) -> CameraView {
         glam::camera::rh::proj::directx::perspective_infinite_reverse(1.3, aspect, 0.05);
     let view_from_world =
         glam::camera::rh::view::look_at_mat4(position, Vec3::new(0.7, 0.3, 0.8), Vec3::Y);
-    CameraView { frame: 1, ..CameraView::new(clip_from_view * view_from_world, position, size) }
+    CameraView { frame: Some(1), ..CameraView::new(clip_from_view * view_from_world, position) }
 }
 
 /// Draws it with one of the fragment shaders of `room.wgsl`, into a depth texture and textures of
 /// the given formats.
 pub(crate) fn draw(
     (device, queue): (&wgpu::Device, &wgpu::Queue),
-    view: CameraView,
+    (view, size): (CameraView, UVec2),
     entry: &str,
     formats: &[wgpu::TextureFormat],
 ) -> (wgpu::TextureView, Vec<wgpu::TextureView>) {
     let texture = |format| {
-        let size = wgpu::Extent3d { width: view.size.x, height: view.size.y, ..Default::default() };
+        let size = wgpu::Extent3d { width: size.x, height: size.y, ..Default::default() };
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("test G-buffer"),
@@ -90,9 +90,9 @@ pub(crate) fn draw(
         clip_from_world: view.clip_from_world,
         world_from_clip: view.clip_from_world.inverse(),
         position: view.position,
-        width: view.size.x as f32,
+        width: size.x as f32,
         room: ROOM,
-        height: view.size.y as f32,
+        height: size.y as f32,
     };
     let camera = uniform_buffer(device, "test camera", &camera);
     let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
