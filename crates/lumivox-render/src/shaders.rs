@@ -2,7 +2,7 @@
 
 use lumivox::gpu::ShaderLibrary;
 
-use crate::{passes, picture, reference};
+use crate::{passes, picture, reference, scene};
 
 /// The modules as resolved by `build.rs`.
 #[allow(clippy::all, clippy::pedantic)]
@@ -18,6 +18,7 @@ mod built {
 pub fn library(base: &ShaderLibrary) -> ShaderLibrary {
     let mut library = base.clone();
     library.add_built(built::MODULES);
+    scene::add_constants(&mut library);
     passes::add_constants(&mut library);
     picture::add_constants(&mut library);
     reference::add_constants(&mut library);

@@ -4,10 +4,10 @@
 // occlusion).
 
 import package::constants::{
-    VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_INDIRECT, VIEW_LOD, VIEW_NORMAL,
-    VIEW_OCCLUSION, VIEW_SHADOW, VIEW_SPECULAR, VXCT_AMBIENT, VXCT_DIFFUSE, VXCT_DIFFUSE_CONES,
-    VXCT_HIGHLIGHTS, VXCT_INDIRECT, VXCT_OCCLUSION_CONES, VXCT_OF_EMITTER, VXCT_OF_OTHERS, VXCT_PHONG,
-    VXCT_SPECULAR_CONES,
+    PI, VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_INDIRECT, VIEW_LOD,
+    VIEW_NORMAL, VIEW_OCCLUSION, VIEW_SHADOW, VIEW_SPECULAR, VXCT_AMBIENT, VXCT_DIFFUSE,
+    VXCT_DIFFUSE_CONES, VXCT_HIGHLIGHTS, VXCT_INDIRECT, VXCT_OCCLUSION_CONES, VXCT_OF_EMITTER,
+    VXCT_OF_OTHERS, VXCT_PHONG, VXCT_SPECULAR_CONES,
 };
 import package::render::scene::point::{frame_at, is_masked_out, sample_point, Point, PointSamples};
 import package::vxct::cones::{
@@ -66,8 +66,6 @@ fn highlight_falloff(direction: vec3f, to_light: vec3f, shininess: f32) -> f32 {
     let off = max(angle - 0.008 * PI * shininess, 0.0) / PI;
     return pow(max(1.0 - off, 1e-6), settings.shininess_falloff);
 }
-
-const PI: f32 = 3.14159265359;
 
 // Farther than any two points of the cube.
 const BEYOND: f32 = 3.5;

@@ -94,7 +94,16 @@ impl ShaderLibrary {
 
     /// Defines a `u32` constant of the module `package::constants`.
     pub fn constant_u32(&mut self, name: &'static str, value: u32) -> &mut Self {
-        let declaration = format!("const {name}: u32 = {value}u;");
+        self.constant(name, format!("const {name}: u32 = {value}u;"))
+    }
+
+    /// Defines an `f32` constant of the module `package::constants`; the value must be finite.
+    pub fn constant_f32(&mut self, name: &'static str, value: f32) -> &mut Self {
+        // `Debug` writes as many digits as it takes to read the same value.
+        self.constant(name, format!("const {name}: f32 = {value:?}f;"))
+    }
+
+    fn constant(&mut self, name: &'static str, declaration: String) -> &mut Self {
         self.content_mut().constants.insert(name.into(), declaration);
         self
     }

@@ -139,6 +139,18 @@ const_assert 1 < 2;
 }
 
 #[test]
+fn float_constants_keep_their_bits() {
+    for value in [0.1, 1024.0, 1e-30, f32::MAX, -std::f32::consts::PI] {
+        let mut library = ShaderLibrary::default();
+        library.constant_f32("A", value);
+        library.add("root", "import package::constants::A;\nfn f() -> f32 { return A; }");
+        let source = library.link_whole("root").unwrap().source;
+        let text = source.strip_prefix("const A: f32 = ").unwrap().split("f;").next().unwrap();
+        assert_eq!(text.parse::<f32>().unwrap().to_bits(), value.to_bits(), "{source}");
+    }
+}
+
+#[test]
 fn libraries_are_equal_by_content() {
     assert!(library() == library());
     let mut other = library();

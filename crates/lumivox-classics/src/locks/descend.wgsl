@@ -8,7 +8,7 @@
 // lock is taken has its children at the end of the pass. So every pass brings a deferred thread
 // down by a level at least, and as many passes as there are levels are enough.
 
-import package::constants::{COUNT_BLOCK_WORDS, LINEAR_WORKGROUP_SIZE};
+import package::constants::{COUNT_BLOCK_WORDS, LINEAR_WORKGROUP_SIZE, LOCKS_DEFERRED};
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::volume::octree::holders::has_holder;
@@ -40,7 +40,6 @@ struct LockPass {
 @group(1) @binding(8) var<storage, read> list_counts: array<u32>;
 
 const GROUPS: u32 = 0u;
-const DEFERRED: u32 = 2u;
 // Bits of a lock: a thread has taken it; a thread wanted to create this node.
 const TAKEN: u32 = 1u;
 const WANTED: u32 = 2u;
@@ -113,7 +112,7 @@ fn main(
     var item = index;
     var count = 8u * list_counts[2];
     if lock_pass.pass_number > 0u {
-        count = atomicLoad(&counters[DEFERRED + lock_pass.pass_number - 1u]);
+        count = atomicLoad(&counters[LOCKS_DEFERRED + lock_pass.pass_number - 1u]);
         if index < count {
             item = items[index];
         }
@@ -123,7 +122,7 @@ fn main(
     }
     let wanted = target_of(item);
     if wanted.level > 0u && !insert(wanted) {
-        let place = atomicAdd(&counters[DEFERRED + lock_pass.pass_number], 1u);
+        let place = atomicAdd(&counters[LOCKS_DEFERRED + lock_pass.pass_number], 1u);
         if place < arrayLength(&deferred) {
             deferred[place] = item;
         }

@@ -13,7 +13,7 @@ use bytemuck::{Pod, Zeroable};
 
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, BoundIndirect, Buffer, Indirect, Kernel, LayoutBuilder, Memory,
-    Recorder, Remedy, Run, storage_buffer, uniform_buffer,
+    Recorder, Remedy, Run, ShaderLibrary, storage_buffer, uniform_buffer,
 };
 use lumivox::hooks::{OctreeBuilder, OctreeBuilding, OctreeParts, TreeToBuild};
 use lumivox::{GiError, Grid};
@@ -52,8 +52,15 @@ const MODULES: &[(&str, &str)] = &[
     ("classics::locks::descend", include_str!("descend.wgsl")),
 ];
 
-/// `DEFERRED` of `descend.wgsl`, and the counter before it, which is zero.
-const DEFERRED: u32 = 2;
+/// The index of the first pass's counter of deferred threads; the counter before it is zero.
+const LOCKS_DEFERRED: u32 = 2;
+
+/// The library with the modules of this folder.
+fn link_into(shaders: &ShaderLibrary) -> ShaderLibrary {
+    let mut library = with_modules(shaders, MODULES);
+    library.constant_u32("LOCKS_DEFERRED", LOCKS_DEFERRED);
+    library
+}
 
 /// `LockPass` of `descend.wgsl`.
 #[repr(C)]
@@ -98,7 +105,7 @@ struct BoundLocks {
 impl LockBuilder {
     fn new(parts: &OctreeParts<'_>) -> Result<Self, GiError> {
         let OctreeParts { device, grid, globals, .. } = *parts;
-        let shaders = &with_modules(parts.shaders, MODULES);
+        let shaders = &link_into(parts.shaders);
         let pass_layout = LayoutBuilder::compute()
             .uniform()
             .storage()
@@ -127,7 +134,11 @@ impl LockBuilder {
             adopt: kernel("classics::locks::adopt", &adopt_layout)?,
             indirect: Indirect::new(device, shaders)?,
             passes,
-            counters: storage_buffer(device, "octree: counters", u64::from(DEFERRED + passes) * 4),
+            counters: storage_buffer(
+                device,
+                "octree: counters",
+                u64::from(LOCKS_DEFERRED + passes) * 4,
+            ),
             bound: None,
             pass_layout,
             adopt_layout,
@@ -168,7 +179,7 @@ impl OctreeBuilder for LockBuilder {
             .collect();
         let arguments = (1..self.passes)
             .map(|pass_number| {
-                let run = Run { first: DEFERRED - 1, end: DEFERRED + pass_number - 1 };
+                let run = Run { first: LOCKS_DEFERRED - 1, end: LOCKS_DEFERRED + pass_number - 1 };
                 self.indirect.bind(device, &self.counters, &[run], &no_overflow)
             })
             .collect();
@@ -246,7 +257,7 @@ impl BoundLocks {
 /// # Errors
 /// [`GiError::Device`] if nodes are missing or threads are left over, which would be a bug.
 fn count_passes(counters: &[u32], groups: u32) -> Result<(u64, u64), GiError> {
-    let deferred = &counters[DEFERRED as usize..];
+    let deferred = &counters[LOCKS_DEFERRED as usize..];
     let left = deferred.last().copied().unwrap_or(0);
     if counters[0] + 1 != groups || left > 0 {
         return Err(GiError::Device {
@@ -266,12 +277,11 @@ mod tests {
     use lumivox::{GiError, shaders};
     use lumivox_reflect::{check_modules, check_struct};
 
-    use super::{LockPass, MODULES, count_passes};
-    use crate::with_modules;
+    use super::{LockPass, count_passes, link_into};
 
     #[test]
     fn shaders_are_valid_and_structs_lie_in_memory_alike() {
-        let library = with_modules(&shaders::library(), MODULES);
+        let library = link_into(&shaders::library());
         assert!(check_modules(&library, "classics::locks") > 0);
         check_struct::<LockPass>(&library, "classics::locks::descend", "LockPass");
     }

@@ -5,7 +5,7 @@
 // not matter. Shares are rounded at random by a hash of the texel, so that many small shares still
 // add up.
 
-import package::constants::LIGHT_POINT;
+import package::constants::{FATES, FATE_ABSORBED, FATE_KEPT, FATE_LOST, FATE_NONE, LIGHT_POINT};
 import package::gpu::random::hash;
 import package::grid::{grid, grid_from_world};
 import package::light::lights::{incident_light, is_parallel, lights};
@@ -21,23 +21,13 @@ import package::voxels::morton::morton_encode;
 @group(1) @binding(4) var<storage, read> faces: array<Face>;
 // The light that each face has received, `Taken` with atomic members.
 @group(1) @binding(5) var<storage, read_write> sums: array<AtomicTaken>;
-// The number of bundles with each of the fates below.
+// `PhotonFates` (mod.rs): the number of bundles with each fate.
 @group(1) @binding(6) var<storage, read_write> fates: array<atomic<u32>, FATES>;
 
 struct AtomicTaken {
     flux: atomic<u32>,
     lead: atomic<u32>,
 }
-
-const FATES: u32 = 4u;
-// Met nothing, or belongs to another layer.
-const FATE_NONE: u32 = 0u;
-// Inserted.
-const FATE_KEPT: u32 = 1u;
-// Met a side without a face, such as the back of a single-sided wall, which reflects nothing.
-const FATE_ABSORBED: u32 = 2u;
-// Met a surface where there is no voxel, or one that is only touched.
-const FATE_LOST: u32 = 3u;
 
 // A voxel: its place in the list, or NO_VOXEL, and its Morton code.
 struct Voxel {

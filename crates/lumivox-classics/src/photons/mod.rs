@@ -28,13 +28,14 @@
 
 use std::any::Any;
 use std::f32::consts::{PI, SQRT_2, TAU};
+use std::mem::offset_of;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
 use lumivox::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
     storage_buffer, uniform_buffer,
 };
 use lumivox::hooks::{FaceLight, Injection, InjectionParts, Injector, MappedLight};
@@ -93,10 +94,22 @@ const MODULES: &[(&str, &str)] = &[
     ("classics::photons::reflect", include_str!("reflect.wgsl")),
 ];
 
-/// `MAX_LAYERS` of `photon_map.wgsl`.
-const MAX_LAYERS: usize = 6;
-/// `FATES` of `insert.wgsl`.
-const FATES: u64 = 4;
+/// The most layers of a light's maps: those of a point light.
+const PHOTON_LAYERS: usize = 6;
+
+/// The library with the modules of this folder.
+fn link_into(shaders: &ShaderLibrary) -> ShaderLibrary {
+    let mut library = with_modules(shaders, MODULES);
+    library
+        .constant_u32("PHOTON_LAYERS", PHOTON_LAYERS as u32)
+        .constant_u32("FATES", size_of::<PhotonFates>() as u32 / 4)
+        .constant_u32("FATE_NONE", offset_of!(PhotonFates, none) as u32 / 4)
+        .constant_u32("FATE_KEPT", offset_of!(PhotonFates, kept) as u32 / 4)
+        .constant_u32("FATE_ABSORBED", offset_of!(PhotonFates, absorbed) as u32 / 4)
+        .constant_u32("FATE_LOST", offset_of!(PhotonFates, lost) as u32 / 4);
+    library
+}
+
 /// `Taken` of `photon_map.wgsl`, for each face.
 const SUMS_BYTES: u64 = 8;
 /// The largest possible sum: half of what a word holds.
@@ -106,7 +119,7 @@ const LARGEST_SUM: f32 = 2_147_483_648.0;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 struct PhotonMap {
-    world_from_clip: [Mat4; MAX_LAYERS],
+    world_from_clip: [Mat4; PHOTON_LAYERS],
     light: u32,
     first_layer: u32,
     layer_count: u32,
@@ -115,7 +128,7 @@ struct PhotonMap {
 
 impl PhotonMap {
     fn new(light: &MappedLight, grid: &Grid) -> Self {
-        let mut world_from_clip = [Mat4::IDENTITY; MAX_LAYERS];
+        let mut world_from_clip = [Mat4::IDENTITY; PHOTON_LAYERS];
         // Photons come from the layers that cover all of the light, not from the finer maps within
         // them.
         let finer = light.layers.iter().filter(|layer| layer.has_finer).count();
@@ -202,7 +215,7 @@ struct List {
 impl Photons {
     fn new(parts: &InjectionParts<'_>) -> Result<Self, GiError> {
         let InjectionParts { device, grid, globals, lights, .. } = *parts;
-        let shaders = with_modules(parts.shaders, MODULES);
+        let shaders = link_into(parts.shaders);
         // With the volume there would be more storage buffers than WebGPU allows.
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let grid_group =
@@ -236,7 +249,7 @@ impl Photons {
             direct_layout,
             insert_layout,
             reflect_layout,
-            fates: storage_buffer(device, "fates of photons", FATES * 4),
+            fates: storage_buffer(device, "fates of photons", size_of::<PhotonFates>() as u64),
             list: None,
         })
     }
@@ -310,15 +323,11 @@ mod tests {
     use lumivox::{Directionality, VolumeKind, shaders::library_with_volume};
     use lumivox_reflect::{check_modules, layout};
 
-    use super::{MODULES, PhotonMap};
-    use crate::with_modules;
+    use super::{MODULES, PhotonMap, link_into};
 
     #[test]
     fn shaders_are_valid_and_structs_lie_in_memory_alike() {
-        let library = with_modules(
-            &library_with_volume(VolumeKind::Dense, Directionality::SixLobes),
-            MODULES,
-        );
+        let library = link_into(&library_with_volume(VolumeKind::Dense, Directionality::SixLobes));
         assert!(check_modules(&library, "classics::photons") > 0);
         let (members, size) = layout(&library, MODULES[1].0, "PhotonMap");
         let offsets = [

@@ -5,12 +5,11 @@
 // the bundle's cross-section: the texel's area for parallel light, its solid angle times the
 // squared distance for the other lights.
 
-// Layers of a point light.
-const MAX_LAYERS: u32 = 6u;
+import package::constants::PHOTON_LAYERS;
 
 struct PhotonMap {
     // From each layer's clip space to the world.
-    world_from_clip: array<mat4x4f, MAX_LAYERS>,
+    world_from_clip: array<mat4x4f, PHOTON_LAYERS>,
     // Index of the light.
     light: u32,
     first_layer: u32,

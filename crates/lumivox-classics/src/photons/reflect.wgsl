@@ -8,7 +8,7 @@
 // by what reaches their middle. So are faces that the map shows in fewer than LEAST_TEXELS: slivers
 // at the corners of voxels, which get a texel or none.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{LINEAR_WORKGROUP_SIZE, PI};
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::light::lights::{incident_light, is_parallel, lights};
@@ -20,8 +20,6 @@ import package::voxels::list::Face;
 @group(1) @binding(1) var<storage, read> faces: array<Face>;
 @group(1) @binding(2) var<storage, read_write> sums: array<Taken>;
 @group(1) @binding(3) var<storage, read_write> direct: array<vec4f>;
-
-const PI: f32 = 3.14159265359;
 
 // A 32nd of a voxel, as `Taken` counts it: a hidden layer half a voxel behind that makes up a
 // sixteenth of the face.

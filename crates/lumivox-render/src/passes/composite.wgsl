@@ -2,12 +2,12 @@
 // a surface.
 
 import package::constants::{
-    VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_DISOCCLUSION, VIEW_HISTORY,
-    VIEW_INDIRECT, VIEW_NORMAL, VIEW_OCCLUSION, VIEW_SHADOW, VIEW_SPECULAR,
+    PI, VIEW_ALBEDO, VIEW_COST, VIEW_DEPTH, VIEW_DIFFUSE, VIEW_DIRECT, VIEW_DISOCCLUSION,
+    VIEW_HISTORY, VIEW_INDIRECT, VIEW_NORMAL, VIEW_OCCLUSION, VIEW_SHADOW, VIEW_SPECULAR,
 };
 import package::environment::environment_background;
 import package::temporal::record::decode_record;
-import package::trace::brdf::{fresnel_of_even_light, PI};
+import package::trace::brdf::fresnel_of_even_light;
 import package::trace::coat::{below_coat, load_coat};
 import package::trace::gbuffer::{
     gbuffer_diffuse, gbuffer_emission, gbuffer_specular, load_surface,

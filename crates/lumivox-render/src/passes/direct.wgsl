@@ -1,5 +1,6 @@
 // Direct light on the visible surfaces from lamps and sun.
 
+import package::constants::{LARGEST_HALF, PI};
 import package::environment::glossy_share;
 import package::light::lights::{incident_light, is_parallel, Light, light_globals, lights};
 import package::light::shadow_map::{
@@ -7,7 +8,7 @@ import package::light::shadow_map::{
 };
 import package::light::visibility::light_visibility;
 import package::trace::brdf::{
-    alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_visibility, PI,
+    alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_visibility,
 };
 import package::trace::coat::{below_coat, coat_fresnel, load_coat};
 import package::trace::gbuffer::{gbuffer_diffuse, gbuffer_specular, load_surface};
@@ -32,9 +33,6 @@ struct NearLayer {
 // Ordered by light, and for each light from the smallest square to the largest.
 @group(1) @binding(2) var<storage, read> near_layers: array<NearLayer>;
 @group(1) @binding(3) var near_maps: texture_depth_2d_array;
-
-// The largest half float.
-const MAX_HALF: f32 = 65504.0;
 
 // Highlights smaller than a pixel are widened by the variation of the normal within it, so that
 // samples do not miss them (Tokuyoshi and Kaplanyan 2019, "Improved geometric specular
@@ -167,6 +165,6 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     diffuse *= below;
     glossy = below * glossy + varnish;
     let visibility = select(1.0, arriving / sent, sent > 0.0);
-    textureStore(direct_diffuse, pixel, vec4f(min(diffuse, vec3f(MAX_HALF)), visibility));
+    textureStore(direct_diffuse, pixel, vec4f(min(diffuse, vec3f(LARGEST_HALF)), visibility));
     textureStore(direct_specular, pixel, vec4f(glossy, illuminance));
 }

@@ -1,9 +1,10 @@
 // One layer of the shadow maps: the scene's depth seen from a light, reversed z.
 
+import package::constants::{TEXTURE_BASE_COLOR, TEXTURE_TRANSMISSION};
 import package::render::scene::draws::draws;
 import package::render::scene::material::{
     base_color_sampler, base_color_texture, material, texcoord, transmission_sampler,
-    transmission_texture, TEXTURE_BASE_COLOR, TEXTURE_TRANSMISSION,
+    transmission_texture,
 };
 import package::render::passes::screen_door::{is_there, surface_seed};
 

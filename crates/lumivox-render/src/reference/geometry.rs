@@ -18,6 +18,16 @@ pub(super) const LEAF: u32 = 1 << 31;
 pub(super) const DOUBLE_SIDED: u32 = 1 << 31;
 /// In the first vertex of a triangle: alpha or glass, through which light may pass.
 pub(super) const SEE_THROUGH: u32 = 1 << 30;
+/// The index of the triangle that a ray hits if it hits none.
+pub(super) const NO_TRIANGLE: u32 = u32::MAX;
+/// The sides of surfaces that rays hit. For the camera: fronts, and backs only of double-sided
+/// surfaces.
+pub(super) const AS_SEEN: u32 = 0;
+/// Both sides of everything.
+pub(super) const BOTH_SIDES: u32 = 1;
+/// As [`AS_SEEN`], and the backs of opaque surfaces, which block: a wall is also a wall from
+/// behind. The rays of cones do the same.
+pub(super) const BLOCKING: u32 = 2;
 /// The most triangles of a leaf: a leaf's link stores their number in three bits.
 const MOST_PER_LEAF: u32 = 4;
 /// The least ratio of a triangle's height to its longest edge: eight roundings of f32. A flatter

@@ -6,7 +6,8 @@
 // the resolution of f32, so that no ray slips through the edge that two triangles share.
 
 import package::constants::{
-    REFERENCE_LEAF, REFERENCE_STACK, TRIANGLE_DOUBLE_SIDED, TRIANGLE_SEE_THROUGH,
+    BLOCKING, BOTH_SIDES, NO_TRIANGLE, REFERENCE_LEAF, REFERENCE_STACK, TRIANGLE_DOUBLE_SIDED,
+    TRIANGLE_SEE_THROUGH,
 };
 import package::render::reference::world::{nodes, triangle_at, world};
 
@@ -19,7 +20,7 @@ struct Ray {
 
 struct Hit {
     distance: f32,
-    // NOTHING if there is no hit.
+    // NO_TRIANGLE if there is no hit.
     triangle: u32,
     // Weights of the second and third vertex.
     weights: vec2f,
@@ -27,19 +28,9 @@ struct Hit {
     is_back: bool,
 }
 
-const NOTHING: u32 = 0xffffffffu;
 // The differences, cross products and dot products behind a weight have up to seven rounding errors
 // of 2^-24 each, relative to the input lengths: 4e-7. This is a little more than twice that.
 const EDGE_TOLERANCE: f32 = 1e-6;
-
-// The sides of surfaces that rays hit. For the camera: fronts, and backs only of double-sided
-// surfaces.
-const AS_SEEN: u32 = 0u;
-// Both sides of everything.
-const BOTH_SIDES: u32 = 1u;
-// As `AS_SEEN`, and the backs of opaque surfaces, which block: a wall is also a wall from behind.
-// The rays of cones do the same.
-const BLOCKING: u32 = 2u;
 
 // The distance at which a ray enters a box; above `reach` if it does not.
 fn entry(node: u32, origin: vec3f, inverse: vec3f, reach: f32) -> f32 {
@@ -58,7 +49,7 @@ fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
     // Components must not be zero, or products would be undefined.
     let tiny = abs(ray.direction) < vec3f(1e-20);
     let inverse = 1.0 / select(ray.direction, vec3f(1e-20), tiny);
-    var hit = Hit(ray.reach, NOTHING, vec2f(0.0), false);
+    var hit = Hit(ray.reach, NO_TRIANGLE, vec2f(0.0), false);
     var stack: array<u32, REFERENCE_STACK>;
     var depth = 0u;
     var current = world.root;

@@ -9,13 +9,10 @@ use super::records::{EmitterRecord, TileRecord, TracedMaterialRecord};
 use crate::picture::srgb::srgb_decode;
 use crate::picture::tone_map::luminance;
 use crate::scene::{
-    Lighting, MaterialRecord, TEXTURE_COUNT, colors_of_materials, has_sheen, is_layered,
+    Lighting, MaterialRecord, TEXTURE_COUNT, TEXTURES, colors_of_materials, has_sheen, is_layered,
     material_record, material_textures, reference_white,
 };
 use crate::{Gpu, RenderError};
-
-/// Whether each texture contains colours, in the order of `TEXTURE_...` in `material.wgsl`.
-const HOLDS_COLORS: [bool; TEXTURE_COUNT] = [true, false, false, true, true, false, true, false];
 
 type Textures = [Option<TextureRef>; TEXTURE_COUNT];
 
@@ -40,8 +37,8 @@ impl Materials {
     ) -> Result<Self, RenderError> {
         let textures: Vec<_> = scene.materials.iter().map(material_textures).collect();
         let used = textures.iter().flat_map(|textures| {
-            let pairs = textures.iter().zip(HOLDS_COLORS);
-            pairs.filter_map(|(texture, is_color)| texture.map(|texture| (texture, is_color)))
+            let pairs = textures.iter().zip(TEXTURES);
+            pairs.filter_map(|(texture, (_, is_color))| texture.map(|texture| (texture, is_color)))
         });
         let atlas = Atlas::new(gpu, scene, used)?;
         let white = reference_white(scene, lighting);
@@ -71,7 +68,7 @@ impl Materials {
                 shown,
                 tiles: std::array::from_fn(|which| {
                     textures[which].map_or(TileRecord::default(), |texture| {
-                        made.atlas.tile(texture, HOLDS_COLORS[which])
+                        made.atlas.tile(texture, TEXTURES[which].1)
                     })
                 }),
                 emitter_density: 0.0,

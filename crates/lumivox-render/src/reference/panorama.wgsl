@@ -1,9 +1,9 @@
 // The surroundings: constant within each texel, so that directions sampled in proportion to them
 // have exactly that density.
 
+import package::constants::PI;
 import package::render::reference::random::random_2;
 import package::render::reference::world::{panorama, panorama_rows, world};
-import package::trace::brdf::PI;
 
 struct Surroundings {
     // Without the peaks that the renderer turns into lights.

@@ -13,13 +13,11 @@
 // contribute (Russian roulette: Arvo and Kirk 1990, "Particle transport and image synthesis").
 
 import package::constants::{
-    REFERENCE_CANDIDATES,
-    REFERENCE_HAS_DISCS, REFERENCE_HAS_EMITTERS, REFERENCE_HAS_LIGHTS, REFERENCE_HAS_PANORAMA,
-    REFERENCE_HAS_PEAKS, REFERENCE_HAS_SENSORS, REFERENCE_SEE_THROUGH,
+    AS_SEEN, BLOCKING, NO_TRIANGLE, REFERENCE_CANDIDATES, REFERENCE_HAS_DISCS,
+    REFERENCE_HAS_EMITTERS, REFERENCE_HAS_LIGHTS, REFERENCE_HAS_PANORAMA, REFERENCE_HAS_PEAKS,
+    REFERENCE_HAS_SENSORS, REFERENCE_SEE_THROUGH,
 };
-import package::render::reference::intersect::{
-    intersect, ray_from, Hit, Ray, AS_SEEN, BLOCKING, NOTHING,
-};
+import package::render::reference::intersect::{intersect, ray_from, Hit, Ray};
 import package::render::reference::panorama::surroundings;
 import package::render::reference::random::{random, random_2, start_random};
 import package::render::reference::scatter::{cos_toward, draw_direction, scatter};
@@ -106,7 +104,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
         }
         for (var layer = 0u; layer < MOST_LAYERS && !is_white_sensor; layer++) {
             hit = intersect(ray, select(BLOCKING, AS_SEEN, vertex == 0u), false);
-            if hit.triangle == NOTHING || hit.is_back {
+            if hit.triangle == NO_TRIANGLE || hit.is_back {
                 break;
             }
             met = meet(ray, hit, vertex == 0u);
@@ -117,7 +115,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             throughput *= met.tint;
             ray = ray_from(met.surface.position, -met.surface.geometric, ray.direction, 3e38);
         }
-        let is_surface = hit.triangle != NOTHING;
+        let is_surface = hit.triangle != NO_TRIANGLE;
         if vertex == 1u {
             traced.is_open = !is_surface || travelled + hit.distance * f32(hit.is_back) > world.occlusion_distance_m;
         }

@@ -5,9 +5,10 @@
 // energy (Lafortune and Willems 1994, "Using the modified Phong reflectance model for physically
 // based rendering").
 
+import package::constants::PI;
 import package::render::reference::random::{random, random_2};
 import package::trace::brdf::{
-    fresnel_schlick, ggx_distribution, ggx_visibility, mirrored_density, sample_visible_normal, PI,
+    fresnel_schlick, ggx_distribution, ggx_visibility, mirrored_density, sample_visible_normal,
 };
 import package::trace::coat::{below_coat, coat_fresnel, Coat};
 import package::cones::hemisphere::basis;

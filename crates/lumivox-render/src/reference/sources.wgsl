@@ -3,11 +3,11 @@
 // sampling: Veach 1997, section 9.2, the power heuristic).
 
 import package::constants::{
-    REFERENCE_CANDIDATES, REFERENCE_HAS_LAYERS, REFERENCE_HAS_PANORAMA, TRIANGLE_DOUBLE_SIDED,
+    BLOCKING, BOTH_SIDES, PI, REFERENCE_CANDIDATES, REFERENCE_HAS_LAYERS, REFERENCE_HAS_PANORAMA,
+    TEXTURE_EMISSION, TRIANGLE_DOUBLE_SIDED,
 };
 import package::light::lights::{incident_light, is_parallel, Incident, Light};
-import package::render::scene::material::TEXTURE_EMISSION;
-import package::render::reference::intersect::{Hit, Ray, BLOCKING, BOTH_SIDES};
+import package::render::reference::intersect::{Hit, Ray};
 import package::render::reference::panorama::{draw_surroundings, surroundings};
 import package::render::reference::random::{random, random_2};
 import package::render::reference::scatter::{cos_toward, scatter, Surface};
@@ -15,7 +15,6 @@ import package::render::reference::surface::{meet, texture_at};
 import package::render::reference::world::{
     emitters, lights, materials, triangle_at, vertices, world, VERTEX_INDEX,
 };
-import package::trace::brdf::PI;
 import package::trace::coat::below_coat;
 import package::cones::hemisphere::basis;
 

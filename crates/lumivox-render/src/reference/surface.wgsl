@@ -1,12 +1,12 @@
 // The surface where a ray hits a triangle: the same materials as the rasterizer's, with the same
 // code.
 
-import package::constants::{REFERENCE_HAS_LAYERS, REFERENCE_HAS_TEXTURES};
-import package::render::scene::layers::{shade_layers, LayerSamples};
-import package::render::scene::material::{
-    TEXTURE_BASE_COLOR, TEXTURE_COAT, TEXTURE_EMISSION, TEXTURE_METALLIC_ROUGHNESS, TEXTURE_NORMAL,
-    TEXTURE_SHEEN, TEXTURE_SPECULAR, TEXTURE_TRANSMISSION,
+import package::constants::{
+    REFERENCE_HAS_LAYERS, REFERENCE_HAS_TEXTURES, TEXTURE_BASE_COLOR, TEXTURE_COAT,
+    TEXTURE_EMISSION, TEXTURE_METALLIC_ROUGHNESS, TEXTURE_NORMAL, TEXTURE_SHEEN, TEXTURE_SPECULAR,
+    TEXTURE_TRANSMISSION,
 };
+import package::render::scene::layers::{shade_layers, LayerSamples};
 import package::render::scene::normals::{bend, facing};
 import package::render::reference::intersect::{Hit, Ray};
 import package::render::reference::scatter::Surface;

@@ -1,10 +1,11 @@
 // The textures of a material's layers, for fragment shaders.
 
+import package::constants::{TEXTURE_COAT, TEXTURE_SHEEN, TEXTURE_SPECULAR, TEXTURE_TRANSMISSION};
 import package::render::scene::layers::LayerSamples;
 import package::render::scene::material::{
-    coat_sampler, coat_texture, material, sheen_albedo, sheen_albedo_sampler, sheen_sampler, sheen_texture,
-    specular_sampler, specular_texture, texcoord, transmission_sampler, transmission_texture,
-    TEXTURE_COAT, TEXTURE_SHEEN, TEXTURE_SPECULAR, TEXTURE_TRANSMISSION,
+    coat_sampler, coat_texture, material, sheen_albedo, sheen_albedo_sampler, sheen_sampler,
+    sheen_texture, specular_sampler, specular_texture, texcoord, transmission_sampler,
+    transmission_texture,
 };
 
 // Call it only in uniform control flow.

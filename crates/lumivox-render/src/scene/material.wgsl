@@ -1,5 +1,7 @@
 // The material of a draw: group 1 of the passes that rasterize.
 
+import package::constants::TEXTURE_COUNT;
+
 // The mapping of a vertex's coordinates to a texture.
 struct TexturePlace {
     // The rows of the affine transform from the vertex's coordinates to the image's.
@@ -43,16 +45,6 @@ struct Material {
     // Indexed by TEXTURE_...
     places: array<TexturePlace, TEXTURE_COUNT>,
 }
-
-const TEXTURE_BASE_COLOR = 0;
-const TEXTURE_METALLIC_ROUGHNESS = 1;
-const TEXTURE_NORMAL = 2;
-const TEXTURE_EMISSION = 3;
-const TEXTURE_SPECULAR = 4;
-const TEXTURE_COAT = 5;
-const TEXTURE_SHEEN = 6;
-const TEXTURE_TRANSMISSION = 7;
-const TEXTURE_COUNT = 8;
 
 // Do not branch on its members without other conditions; use select(). Mesa 22.3 (lavapipe) clones
 // a shader for the uniforms that decide its branches, at each draw that binds others, and never

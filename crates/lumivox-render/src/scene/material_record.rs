@@ -4,7 +4,18 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Affine2, Vec3};
 use lumivox_scene::{AlphaMode, Material, Shading, TextureRef};
 
-/// The most textures of a material.
+/// The textures of a material: the names of their indices in shaders, and whether they contain
+/// colours.
+pub(crate) const TEXTURES: [(&str, bool); TEXTURE_COUNT] = [
+    ("TEXTURE_BASE_COLOR", true),
+    ("TEXTURE_METALLIC_ROUGHNESS", false),
+    ("TEXTURE_NORMAL", false),
+    ("TEXTURE_EMISSION", true),
+    ("TEXTURE_SPECULAR", true),
+    ("TEXTURE_COAT", false),
+    ("TEXTURE_SHEEN", true),
+    ("TEXTURE_TRANSMISSION", false),
+];
 pub(crate) const TEXTURE_COUNT: usize = 8;
 
 /// `TexturePlace` of `material.wgsl`.
@@ -56,7 +67,7 @@ impl TexturePlace {
     }
 }
 
-/// The textures of a material in the order of `TEXTURE_...` in `material.wgsl`.
+/// The textures of a material, in the order of [`TEXTURES`].
 pub(crate) fn textures(material: &Material) -> [Option<TextureRef>; TEXTURE_COUNT] {
     let (base, metallic_roughness, specular) = match &material.shading {
         Shading::MetallicRoughness(m) => {

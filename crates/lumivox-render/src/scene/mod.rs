@@ -17,7 +17,7 @@ use std::mem::offset_of;
 
 use bytemuck::Zeroable as _;
 use glam::Vec3;
-use lumivox::gpu::{Buffer, filled_buffer};
+use lumivox::gpu::{Buffer, ShaderLibrary, filled_buffer};
 use lumivox::{Draw, Geometry, GeometryBatch, VertexAttributes};
 use lumivox_scene::{Bounds, InstanceBounds, Scene};
 
@@ -28,7 +28,7 @@ pub(crate) use geometry::{AllAttributes, Shading, VERTEX_BYTES};
 pub use lights::Lighting;
 #[cfg(test)]
 pub(crate) use material_record::TexturePlace;
-pub(crate) use material_record::{MaterialRecord, TEXTURE_COUNT, has_sheen, is_layered};
+pub(crate) use material_record::{MaterialRecord, TEXTURE_COUNT, TEXTURES, has_sheen, is_layered};
 pub(crate) use material_record::{record as material_record, textures as material_textures};
 pub use materials::GpuMaterial;
 pub(crate) use materials::{Presence, material_layout};
@@ -46,6 +46,14 @@ use geometry::{BatchKind, BatchLimits, Run, pack, runs};
 use materials::{MaterialUpload, VertexColors};
 use motion::Motion;
 use streaming::Streaming;
+
+/// Defines the constants of materials.
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
+    library.constant_u32("TEXTURE_COUNT", TEXTURE_COUNT as u32);
+    for (index, (name, _)) in TEXTURES.into_iter().enumerate() {
+        library.constant_u32(name, index as u32);
+    }
+}
 
 /// The vertex buffers of one batch.
 #[derive(Debug)]

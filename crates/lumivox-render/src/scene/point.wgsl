@@ -1,9 +1,12 @@
 // A point of a surface: the values of its textures, and its orientation.
 
+import package::constants::{
+    TEXTURE_BASE_COLOR, TEXTURE_EMISSION, TEXTURE_METALLIC_ROUGHNESS, TEXTURE_NORMAL,
+};
 import package::render::scene::material::{
     base_color_sampler, base_color_texture, emission_sampler, emission_texture, material,
-    metallic_roughness_sampler, metallic_roughness_texture, normal_sampler, normal_texture, texcoord,
-    TEXTURE_BASE_COLOR, TEXTURE_EMISSION, TEXTURE_METALLIC_ROUGHNESS, TEXTURE_NORMAL,
+    metallic_roughness_sampler, metallic_roughness_texture, normal_sampler, normal_texture,
+    texcoord,
 };
 import package::render::scene::normals::{bend, facing};
 

@@ -1,13 +1,12 @@
 // Irradiance at a point: the cosine-weighted sum over the cones of the hemisphere, each with a
 // weight of pi / N, plus the environment through their open share.
 
+import package::constants::PI;
 import package::environment::environment_radiance;
 import package::cones::cone::{Cone, ConeSettings};
 import package::cones::way::{cone_growth, cone_start, trace_cone};
 import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
 import package::cones::model::place_in_cell;
-
-const PI: f32 = 3.14159265359;
 
 struct Gathered {
     irradiance: vec3f,

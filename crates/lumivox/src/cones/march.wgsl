@@ -29,20 +29,13 @@
 import package::cascades::{finest_level, level_count, outer_high, outer_low};
 import package::cones::cone::{Cone, ConeSettings, MIN_GROWTH, OUTSIDE, Traced};
 import package::cones::model::{shown_share, start_of_cones};
+import package::constants::{LEAST_SURPLUS, SURPLUS};
 import package::grid::grid_from_world;
 import package::volume::{is_clear, is_empty, is_oblique, probe_volume, sample_probe, Probe};
-
-// Maximum surplus of an oblique wall that is treated as scatter; a larger one is a second surface.
-// If this is smaller, more light leaks; if larger, surfaces right behind others count and darken
-// those farther away.
-const SURPLUS: f32 = 0.1;
 
 // Distance to a cascade's border, in its voxels, from which a cone changes to the next cascade at
 // the first empty place; each cone draws a factor of 1 to 2.
 const CASCADE_BORDER: f32 = 3.0;
-
-// The smallest surplus that is paid back.
-const LEAST_SURPLUS: f32 = 0.03;
 
 // Whether the remaining transmittance is negligible. The threshold is smaller for a surplus: it
 // pays for light that other cones let through, and if it were dropped as early, rotated rooms would

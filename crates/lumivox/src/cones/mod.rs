@@ -17,6 +17,19 @@ use crate::gpu::ShaderLibrary;
 pub use hook::ConeModel;
 pub use settings::{Preset, TraceResolution, TraceSettings};
 
+/// Maximum surplus of an oblique wall that is treated as scatter, as opacity; a larger one is a
+/// second surface. If this is smaller, more light leaks; if larger, surfaces right behind others
+/// count and darken those farther away.
+const SURPLUS: f32 = 0.1;
+
+/// The smallest surplus that is paid back.
+const LEAST_SURPLUS: f32 = 0.03;
+
+/// Defines the constants that Rust and the shaders of this folder share.
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
+    library.constant_f32("SURPLUS", SURPLUS).constant_f32("LEAST_SURPLUS", LEAST_SURPLUS);
+}
+
 /// Mounts the tracing method of cones as `package::cones::way`, of faces as `package::light::way`,
 /// and of pixels as `package::trace::way`: a march, or exact hits.
 pub(crate) fn mount(shaders: &mut ShaderLibrary, marches: bool) {

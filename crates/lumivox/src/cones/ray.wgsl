@@ -11,12 +11,10 @@
 import package::cascades::{
     box_size, finest_level, lowest_voxel, outer_high, outer_low, stored_cell,
 };
-import package::constants::CASCADES;
+import package::constants::{CASCADES, PATCH_WORDS};
 import package::cones::side::face_seen_at;
 import package::gpu::random::hash;
-import package::volume::patch::{
-    unpack_patch, unpack_radiance, BLACK, NOTHING, PATCH_WORDS, UNLIT,
-};
+import package::volume::patch::{unpack_patch, unpack_radiance, BLACK, NOTHING, UNLIT};
 import package::volume::surface::{index, patches};
 import package::voxels::covered::{across, is_covered};
 import package::voxels::index::{first_block, first_entry, FACE_BITS};

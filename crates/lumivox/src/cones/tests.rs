@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{UVec3, Vec3, Vec4};
 
-use crate::cones::ConeModel;
+use crate::cones::{ConeModel, LEAST_SURPLUS, SURPLUS};
 use crate::gpu::{
     BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, Timing, storage_buffer, upload,
 };
@@ -47,11 +47,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let result = trace_cone(Cone(cone.origin, cone.direction, cone.growth, cone.reach, cone.level_offset, 0u), settings);
     traced[id.x] = vec4f(result.radiance, result.transmittance);
 }";
-
-/// As in `march.wgsl`.
-const SURPLUS: f32 = 0.1;
-/// As in `march.wgsl`.
-const LEAST_SURPLUS: f32 = 0.03;
 
 /// As in `march.wgsl`.
 fn is_spent(transmittance: f32, settings: &TraceSettings) -> bool {
@@ -301,7 +296,7 @@ impl RayTwin {
             let cosine = normal.dot(direction);
             let distance = normal.dot(place - (origin - voxel)) / cosine;
             let is_back = cosine > 0.0;
-            let blocks = face.flags & 1 != 0 && distance >= 1.0;
+            let blocks = face.flags & FaceRecord::SINGLE_SIDED != 0 && distance >= 1.0;
             let at = origin - voxel + direction * distance;
             if distance > 0.0 && distance < nearest.0 && (!is_back || blocks) && covers(face, at) {
                 let light = if is_back { Vec3::ZERO } else { radiance.truncate() };

@@ -20,7 +20,7 @@ const CANDIDATES: u32 = 8u;
 // discrepancy of its first 4 to 128 multiples and of those of its eightfold. (The sequence of cones
 // has 0.7549, whose eightfold, 6.039, advances by only a 25th.) The second increment is that of the
 // cones.
-const STEPS: vec2f = vec2f(0.46803, 0.7548776662);
+const TURN_STEPS: vec2f = vec2f(0.46803, 0.7548776662);
 
 struct FromEmitters {
     irradiance: vec3f,
@@ -123,7 +123,7 @@ fn gather_emitters(
         return result;
     }
     let place = grid_from_world(position_in_world);
-    let numbers = fract(start + fract(STEPS * f32(turn & 0xffffu)));
+    let numbers = fract(start + fract(TURN_STEPS * f32(turn & 0xffffu)));
     var candidates: array<Drawn, CANDIDATES>;
     var weights: array<f32, CANDIDATES>;
     var hues: array<f32, CANDIDATES>;

@@ -42,9 +42,19 @@ use crate::{Geometry, GeometryBatch, GiError, Grid, SurfaceMaterial, SurfaceText
 
 pub(crate) use kernel::SamplingKernel;
 use order::Order;
+pub(crate) use order::empty_list;
 #[cfg(test)]
 pub(crate) use order::{Sorting, TreePart};
-pub(crate) use order::{TREE_PASS_LEVELS, empty_list};
+
+/// Defines the constants that Rust and the shaders of this folder share.
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
+    library
+        .constant_u32("SAMPLES_EMITTERS", 1)
+        .constant_u32("SORT_WORKGROUP_SIZE", order::SORT_WORKGROUP_SIZE)
+        .constant_u32("SORT_BLOCK", order::SORT_BLOCK)
+        .constant_u32("TREE_PASS_NODES", order::TREE_PASS_NODES)
+        .constant_u32("TREE_PASS_LEVELS", order::TREE_PASS_LEVELS);
+}
 
 /// `Emitter` of `emitter.wgsl`.
 #[repr(C)]

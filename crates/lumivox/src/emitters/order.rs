@@ -29,13 +29,15 @@ pub(crate) struct TreePart {
     padding: [u32; 2],
 }
 
-/// Keys that one workgroup sorts.
-const BLOCK: u32 = 512;
+/// Invocations per workgroup that sorts.
+pub(super) const SORT_WORKGROUP_SIZE: u32 = 256;
+/// Keys that one workgroup sorts: two per invocation.
+pub(super) const SORT_BLOCK: u32 = 2 * SORT_WORKGROUP_SIZE;
 
-/// Nodes of the first level that a workgroup builds in one pass.
-const PASS_NODES: u32 = 256;
+/// Nodes of the first level that a workgroup builds in one pass: one per invocation.
+pub(super) const TREE_PASS_NODES: u32 = 256;
 /// Levels of a pass: each has half as many nodes, down to one.
-pub(crate) const TREE_PASS_LEVELS: u32 = PASS_NODES.ilog2() + 1;
+pub(super) const TREE_PASS_LEVELS: u32 = TREE_PASS_NODES.ilog2() + 1;
 
 /// Cells of the Morton curve along the longest edge of all boxes: 10 bits per axis.
 const MORTON_CELLS: f32 = 1024.0;
@@ -111,7 +113,7 @@ impl Order {
             place,
             cells_per_voxel: cells_per_voxel(grid),
             unsorted: storage_buffer(device, "unsorted emitters", record),
-            keys: storage_buffer(device, "keys of emitters", u64::from(BLOCK) * 8),
+            keys: storage_buffer(device, "keys of emitters", u64::from(SORT_BLOCK) * 8),
             list: empty_list(device),
             steps: Vec::new(),
         };
@@ -119,7 +121,7 @@ impl Order {
         Ok(order)
     }
 
-    /// Queues the kernels that lists of up to [`BLOCK`] emitters run for compilation.
+    /// Queues the kernels that lists of up to [`SORT_BLOCK`] emitters run for compilation.
     pub(super) fn expect(&self, device: &Pipelines) {
         for kernel in [&self.sort_blocks, &self.place, &self.tree] {
             kernel.expect(device);
@@ -151,7 +153,7 @@ impl Order {
         let has_grown = bytes > self.list.size();
         if has_grown {
             let memory = Memory::new(device);
-            let keys = count.next_power_of_two().max(BLOCK.into());
+            let keys = count.next_power_of_two().max(SORT_BLOCK.into());
             self.list = memory.buffer("emitters", bytes / 16, 16, Remedy::Batch)?;
             self.unsorted = memory.buffer("unsorted emitters", count, record, Remedy::Batch)?;
             self.keys = memory.buffer("keys of emitters", keys, 8, Remedy::Batch)?;
@@ -163,7 +165,7 @@ impl Order {
     /// Creates the steps that sort `count` emitters and build the tree.
     fn bind(&mut self, device: &wgpu::Device, count: u32) {
         self.steps.clear();
-        let keys = count.next_power_of_two().max(BLOCK);
+        let keys = count.next_power_of_two().max(SORT_BLOCK);
         let sorting =
             Sorting { count, cells_per_voxel: self.cells_per_voxel, ..Sorting::default() };
         let step = |kernel: &Kernel, threads: u32, sorting: &Sorting| Step {
@@ -177,10 +179,10 @@ impl Order {
             threads,
         };
         let mut steps = vec![step(&self.sort_blocks, keys / 2, &sorting)];
-        let mut run = 2 * BLOCK;
+        let mut run = 2 * SORT_BLOCK;
         while run <= keys {
             let mut distance = run / 2;
-            while distance >= BLOCK {
+            while distance >= SORT_BLOCK {
                 let sorting = Sorting { run, distance, ..sorting };
                 steps.push(step(&self.exchange, keys / 2, &sorting));
                 distance /= 2;
@@ -196,7 +198,7 @@ impl Order {
                 .buffer(&uniform_buffer(device, "part of a tree", &part))
                 .buffer(&self.list)
                 .build(device, "emitters::tree");
-            let threads = nodes.next_multiple_of(PASS_NODES);
+            let threads = nodes.next_multiple_of(TREE_PASS_NODES);
             steps.push(Step { kernel: self.tree.clone(), group, threads });
         }
         self.steps = steps;

@@ -3,7 +3,7 @@
 // and their applications"), whose order of exchanges is fixed. The sorted emitters of thin closed
 // bodies keep only their outer side.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{LINEAR_WORKGROUP_SIZE, SORT_BLOCK, SORT_WORKGROUP_SIZE};
 import package::emitters::emitter::{
     distance_to, FAR, NEIGHBOURS, record_of, Emitter, EmitterList,
 };
@@ -25,11 +25,9 @@ struct Sorting {
 @group(0) @binding(2) var<storage, read> unsorted: array<Emitter>;
 @group(0) @binding(3) var<storage, read_write> list: EmitterList;
 
-const THREADS = 256u;
-const BLOCK = 2u * THREADS;
 const LAST = 0xffffffffu;
 
-var<workgroup> block: array<vec2u, BLOCK>;
+var<workgroup> block: array<vec2u, SORT_BLOCK>;
 
 fn key_of(index: u32) -> vec2u {
     if index >= sorting.count || unsorted[index].power <= 0.0 {
@@ -62,24 +60,24 @@ fn exchange_in_block(start: u32, local: u32, run: u32, distance: u32) {
 }
 
 // Makes the keys, and sorts each block.
-@compute @workgroup_size(THREADS)
+@compute @workgroup_size(SORT_WORKGROUP_SIZE)
 fn sort_blocks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
-    let start = workgroup.x * BLOCK;
+    let start = workgroup.x * SORT_BLOCK;
     block[local] = key_of(start + local);
-    block[local + THREADS] = key_of(start + local + THREADS);
+    block[local + SORT_WORKGROUP_SIZE] = key_of(start + local + SORT_WORKGROUP_SIZE);
     workgroupBarrier();
-    for (var run = 2u; run <= BLOCK; run *= 2u) {
+    for (var run = 2u; run <= SORT_BLOCK; run *= 2u) {
         for (var distance = run / 2u; distance > 0u; distance /= 2u) {
             exchange_in_block(start, local, run, distance);
             workgroupBarrier();
         }
     }
     keys[start + local] = block[local];
-    keys[start + local + THREADS] = block[local + THREADS];
+    keys[start + local + SORT_WORKGROUP_SIZE] = block[local + SORT_WORKGROUP_SIZE];
 }
 
 // Exchanges keys of different blocks.
-@compute @workgroup_size(THREADS)
+@compute @workgroup_size(SORT_WORKGROUP_SIZE)
 fn exchange(@builtin(global_invocation_id) invocation: vec3u) {
     let low = first_of(invocation.x, sorting.distance);
     let a = keys[low];
@@ -91,18 +89,18 @@ fn exchange(@builtin(global_invocation_id) invocation: vec3u) {
 }
 
 // All exchanges of a run within blocks.
-@compute @workgroup_size(THREADS)
+@compute @workgroup_size(SORT_WORKGROUP_SIZE)
 fn merge_blocks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
-    let start = workgroup.x * BLOCK;
+    let start = workgroup.x * SORT_BLOCK;
     block[local] = keys[start + local];
-    block[local + THREADS] = keys[start + local + THREADS];
+    block[local + SORT_WORKGROUP_SIZE] = keys[start + local + SORT_WORKGROUP_SIZE];
     workgroupBarrier();
-    for (var distance = THREADS; distance > 0u; distance /= 2u) {
+    for (var distance = SORT_WORKGROUP_SIZE; distance > 0u; distance /= 2u) {
         exchange_in_block(start, local, sorting.run, distance);
         workgroupBarrier();
     }
     keys[start + local] = block[local];
-    keys[start + local + THREADS] = block[local + THREADS];
+    keys[start + local + SORT_WORKGROUP_SIZE] = block[local + SORT_WORKGROUP_SIZE];
 }
 
 // The nearest hit of a ray and the number of its hits, among an emitter's neighbours in the order.
@@ -182,7 +180,7 @@ fn without_inside(index: u32, emitter: Emitter) -> Emitter {
 }
 
 // Writes the emitters in sorted order.
-@compute @workgroup_size(THREADS)
+@compute @workgroup_size(SORT_WORKGROUP_SIZE)
 fn place(@builtin(global_invocation_id) invocation: vec3u) {
     let index = invocation.x;
     if index == 0u {

@@ -1,7 +1,7 @@
 // Builds the binary tree over the emitters bottom-up: a workgroup builds the nodes of some levels
 // above a part of the list.
 
-import package::constants::TREE_PASS_LEVELS;
+import package::constants::{TREE_PASS_LEVELS, TREE_PASS_NODES};
 import package::emitters::cluster::{cluster_of, no_cluster, pack, unite, unpack, Cluster};
 import package::emitters::emitter::{emitter_of, nodes_at, tree_levels, EmitterList, Record};
 
@@ -15,8 +15,6 @@ struct TreePart {
 
 @group(0) @binding(0) var<uniform> part: TreePart;
 @group(0) @binding(1) var<storage, read_write> list: EmitterList;
-
-const THREADS = 256u;
 
 fn first_node(level: u32) -> u32 {
     var first = part.count;
@@ -37,11 +35,11 @@ fn cluster_at(level: u32, index: u32) -> Cluster {
     return unite(unpack(record[0], record[1]), unpack(record[2], record[3]));
 }
 
-@compute @workgroup_size(THREADS)
+@compute @workgroup_size(TREE_PASS_NODES)
 fn main(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) local: u32) {
     for (var above = 0u; above < TREE_PASS_LEVELS; above++) {
         let level = part.level + above;
-        let own = THREADS >> above;
+        let own = TREE_PASS_NODES >> above;
         let index = workgroup.x * own + local;
         if local < own && level <= tree_levels(part.count) && index < nodes_at(part.count, level) {
             let left = pack(cluster_at(level - 1u, 2u * index));

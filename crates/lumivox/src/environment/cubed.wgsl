@@ -2,6 +2,7 @@
 // the other mips, and all of them laid out with their borders. `cube.rs` and `atlas.rs` do the same
 // on the CPU.
 
+import package::constants::LARGEST_HALF;
 import package::environment::cube_place;
 
 struct CubeLight {
@@ -36,9 +37,6 @@ struct CubeLevel {
 // The texels of all levels, face by face, in rows.
 @group(0) @binding(1) var<storage, read_write> levels: array<vec4f>;
 @group(0) @binding(2) var map: texture_storage_2d<rgba16float, write>;
-
-// The largest half float.
-const MOST: f32 = 65504.0;
 
 // The direction of a position on a face, -1 to 1 along both edges.
 fn direction_on(face: u32, place: vec2f) -> vec3f {
@@ -80,12 +78,12 @@ fn take(@builtin(global_invocation_id) texel: vec3u) {
         let place = place_of(vec2f(texel.xy) + part, edge);
         let towards = cube_light.cube_from_world * direction_on(texel.z, place);
         let radiance = textureSampleLevel(cube, cube_sampler, towards, 0.0).rgb;
-        let is_light = all(radiance >= vec3f(0.0)) && all(radiance <= vec3f(MOST));
+        let is_light = all(radiance >= vec3f(0.0)) && all(radiance <= vec3f(LARGEST_HALF));
         sum += select(vec4f(0.0), vec4f(radiance, 1.0), is_light) * solidity(place);
     }
     let mean = sum.rgb / max(sum.a, 1e-6);
     let radiance = mean * cube_light.factor + cube_light.added;
-    levels[index_of(level.first, edge, texel.z, texel.xy)] = vec4f(min(radiance, vec3f(MOST)), 1.0);
+    levels[index_of(level.first, edge, texel.z, texel.xy)] = vec4f(min(radiance, vec3f(LARGEST_HALF)), 1.0);
 }
 
 // The next level: means over solid angle.

@@ -10,7 +10,7 @@ use crate::gpu::{
 pub const LINEAR_WORKGROUP_SIZE: u32 = 64;
 
 /// WebGPU's default limit of workgroups per dimension.
-pub(crate) const MAX_WORKGROUPS: u32 = 65_535;
+pub(super) const MAX_WORKGROUPS: u32 = 65_535;
 
 /// A compute pipeline with its workgroup size.
 #[derive(Clone, Debug)]

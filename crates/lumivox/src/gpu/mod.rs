@@ -22,7 +22,6 @@ pub use buffers::{
     filled_buffer, read_buffer, storage_buffer, submitted_work_done, uniform_buffer, upload,
 };
 pub use indirect::{BoundIndirect, Indirect, Run};
-pub(crate) use kernel::MAX_WORKGROUPS;
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
 pub(crate) use late::{LastRead, LateReads, OverflowReads, Overflowed};
 pub use lumivox_wgsl::{ShaderError, ShaderLibrary};
@@ -36,5 +35,15 @@ pub use resources::{
     ViewHandle, note_wait, waits,
 };
 pub use scan::{BoundScan, Scan};
-pub(crate) use scan::{SCAN_ITEMS, SCAN_WORKGROUP_SIZE};
 pub(crate) use slots::{Slot, Slots};
+
+/// Defines the constants that Rust and the shaders of this folder share, and those of number formats.
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
+    library
+        .constant_f32("PI", std::f32::consts::PI)
+        .constant_f32("LARGEST_HALF", half::f16::MAX.to_f32())
+        .constant_u32("LINEAR_WORKGROUP_SIZE", LINEAR_WORKGROUP_SIZE)
+        .constant_u32("MAX_WORKGROUPS", kernel::MAX_WORKGROUPS)
+        .constant_u32("SCAN_WORKGROUP_SIZE", scan::SCAN_WORKGROUP_SIZE)
+        .constant_u32("SCAN_ITEMS", scan::SCAN_ITEMS);
+}

@@ -9,9 +9,9 @@ use crate::gpu::{
 use crate::gpu::{storage_buffer, uniform_buffer};
 
 /// Invocations per workgroup.
-pub(crate) const SCAN_WORKGROUP_SIZE: u32 = 256;
+pub(super) const SCAN_WORKGROUP_SIZE: u32 = 256;
 /// Elements that one invocation handles.
-pub(crate) const SCAN_ITEMS: u32 = 8;
+pub(super) const SCAN_ITEMS: u32 = 8;
 const BLOCK: u32 = SCAN_WORKGROUP_SIZE * SCAN_ITEMS;
 
 /// `ScanParams` of `scan.wgsl`.

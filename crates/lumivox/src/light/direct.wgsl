@@ -5,7 +5,7 @@
 // reflected share (reflected.wgsl) / pi.
 
 import package::cascades::cascade_of;
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{LINEAR_WORKGROUP_SIZE, PI};
 import package::gpu::dispatch::linear_index;
 import package::light::lights::{incident_light, light_globals, lights, Light};
 import package::light::reflected::reflected_from;
@@ -17,8 +17,6 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(0) var<uniform> counts: ListCounts;
 @group(1) @binding(1) var<storage, read> faces: array<Face>;
 @group(1) @binding(2) var<storage, read_write> direct: array<vec4f>;
-
-const PI: f32 = 3.14159265359;
 
 // The reflected share times irradiance of a lamp's or sun's light at the middle of a face.
 fn leaving_of(light: Light, face: Face, normal: vec3f) -> vec3f {

@@ -10,11 +10,13 @@ use crate::volume::changes::Shown;
 use crate::voxelize::{Collected, Moving};
 use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList};
 
-/// Bytes of the hits of a face: `HIT_WORDS` of `turn.wgsl`.
-const HIT_BYTES: u64 = 96;
+/// Words of the hits of a face: of its rays, the adjacent faces, and the irradiance from emitters.
+pub(super) const HIT_WORDS: u32 = 24;
+const HIT_BYTES: u64 = 4 * HIT_WORDS as u64;
 
-/// Bytes of the light from afar of a face: `FAR_CELLS` words of `far_light.wgsl`.
-pub(crate) const FAR_BYTES: u64 = 64;
+/// Cells of the hemisphere whose light from afar a face gathers: a word each.
+pub(super) const FAR_CELLS: u32 = 16;
+pub(crate) const FAR_BYTES: u64 = 4 * FAR_CELLS as u64;
 
 /// The kernels.
 #[derive(Debug)]

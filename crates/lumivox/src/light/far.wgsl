@@ -5,17 +5,15 @@ import package::cascades::cascade_of;
 import package::cones::hemisphere::{basis, cell_cone};
 import package::cones::ray::shown_by;
 import package::cones::way::cone_growth;
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{HIDDEN, HIT_WORDS, LINEAR_WORKGROUP_SIZE};
 import package::environment::environment_radiance;
 import package::gpu::dispatch::linear_index;
 import package::grid::grid_from_world;
-import package::light::turn::{
-    counts, face_jitter, faces, hits, settings, FACE_RAYS, HIT_OFFSET, HIT_WORDS,
-};
+import package::light::turn::{counts, face_jitter, faces, hits, settings, FACE_RAYS, HIT_OFFSET};
 import package::volume::far_light::{pack_far_light, FarLight, NEAR, NO_FAR_LIGHT};
 import package::volume::patch::{NOTHING, UNLIT};
 import package::volume::surface::far_cells;
-import package::voxels::list::{Face, HIDDEN};
+import package::voxels::list::Face;
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(3) var<storage, read_write> far: array<u32>;

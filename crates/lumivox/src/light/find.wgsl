@@ -8,15 +8,14 @@ import package::cascades::{cascade_of, voxel_of};
 import package::cones::hemisphere::{basis, cell_cone};
 import package::cones::ray::{trace_ray, Passed, Ray};
 import package::cones::way::cone_start;
-import package::constants::{LINEAR_WORKGROUP_SIZE, RAY_CLASSES};
+import package::constants::{HIDDEN, HIT_WORDS, LINEAR_WORKGROUP_SIZE, RAY_CLASSES};
 import package::gpu::dispatch::linear_index;
 import package::light::turn::{
-    counts, face_jitter, faces, first_fresh, hits, is_fresh, is_in_turn, settings, FACES_BESIDE, FACE_RAYS, FIRST_BESIDE,
-    HIT_OFFSET, HIT_WORDS,
+    counts, face_jitter, faces, first_fresh, hits, is_fresh, is_in_turn, settings, FACES_BESIDE,
+    FACE_RAYS, FIRST_BESIDE, HIT_OFFSET,
 };
 import package::volume::beside::{is_parted, patch_of, spot_at, start_of_face};
 import package::volume::patch::{NOTHING, UNLIT};
-import package::voxels::list::HIDDEN;
 import package::voxels::morton::morton_decode;
 
 const UNKNOWN = 0u;

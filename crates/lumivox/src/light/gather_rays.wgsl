@@ -3,12 +3,11 @@
 import package::cones::hemisphere::{basis, cell_cone};
 import package::cones::ray::shown_by;
 import package::cones::way::cone_growth;
+import package::constants::{HIDDEN, HIT_WORDS, PI};
 import package::environment::environment_radiance;
-import package::light::turn::{face_jitter, hits, settings, FACE_RAYS, HIT_OFFSET, HIT_WORDS};
+import package::light::turn::{face_jitter, hits, settings, FACE_RAYS, HIT_OFFSET};
 import package::volume::patch::NOTHING;
-import package::voxels::list::{Face, HIDDEN};
-
-const PI: f32 = 3.14159265359;
+import package::voxels::list::Face;
 
 fn gathered_at(index: u32, face: Face, level: u32) -> vec3f {
     if (face.flags & HIDDEN) != 0u {

@@ -18,14 +18,14 @@ pub(crate) use bound::lights_layout;
 pub use bound::{Lights, MappedLight, ShadowSource};
 
 /// Values of `Light::kind` in the shaders.
-pub(crate) const LIGHT_DIRECTIONAL: u32 = 0;
-pub(crate) const LIGHT_POINT: u32 = 1;
-pub(crate) const LIGHT_SPOT: u32 = 2;
-pub(crate) const LIGHT_ENVIRONMENT: u32 = 3;
+pub(super) const LIGHT_DIRECTIONAL: u32 = 0;
+pub(super) const LIGHT_POINT: u32 = 1;
+pub(super) const LIGHT_SPOT: u32 = 2;
+pub(super) const LIGHT_ENVIRONMENT: u32 = 3;
 /// Values of `Light::shadow` in the shaders.
-pub(crate) const SHADOW_NONE: u32 = 0;
-pub(crate) const SHADOW_MAP: u32 = 1;
-pub(crate) const SHADOW_CONE: u32 = 2;
+pub(super) const SHADOW_NONE: u32 = 0;
+pub(super) const SHADOW_MAP: u32 = 1;
+pub(super) const SHADOW_CONE: u32 = 2;
 
 /// The position and the distribution of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -38,16 +38,28 @@ use turns::{Turn, Turns};
 
 pub(crate) use faces::FAR_BYTES;
 pub use injection::{FaceLight, Injection, InjectionParts, Injector};
-pub(crate) use lights::{
-    LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPOT, SHADOW_CONE, SHADOW_MAP,
-    SHADOW_NONE, lights_layout,
-};
+pub(crate) use lights::lights_layout;
 pub use lights::{
     Light, LightSource, Lights, MappedLight, Shadow, ShadowLayer, ShadowMaps, ShadowSource,
 };
 #[cfg(test)]
 pub(crate) use lights::{LightGlobals, LightRecord, ShadowLayerRecord};
-pub(crate) use turns::{RAREST_CASCADE, RAY_CLASSES};
+
+/// Defines the constants that Rust and the shaders of this folder share.
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
+    library
+        .constant_u32("LIGHT_DIRECTIONAL", lights::LIGHT_DIRECTIONAL)
+        .constant_u32("LIGHT_POINT", lights::LIGHT_POINT)
+        .constant_u32("LIGHT_SPOT", lights::LIGHT_SPOT)
+        .constant_u32("LIGHT_ENVIRONMENT", lights::LIGHT_ENVIRONMENT)
+        .constant_u32("SHADOW_NONE", lights::SHADOW_NONE)
+        .constant_u32("SHADOW_MAP", lights::SHADOW_MAP)
+        .constant_u32("SHADOW_CONE", lights::SHADOW_CONE)
+        .constant_u32("HIT_WORDS", faces::HIT_WORDS)
+        .constant_u32("FAR_CELLS", faces::FAR_CELLS)
+        .constant_u32("RAREST_CASCADE", turns::RAREST_CASCADE)
+        .constant_u32("RAY_CLASSES", turns::RAY_CLASSES);
+}
 
 /// `BounceSettings` of `turn.wgsl`.
 #[repr(C)]

@@ -1,6 +1,6 @@
 // The radiance that each face sends out: direct light plus reflected irradiance.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{LINEAR_WORKGROUP_SIZE, PI};
 import package::gpu::dispatch::linear_index;
 import package::light::reflected::reflected_from_all_around;
 import package::voxels::counts::ListCounts;
@@ -11,8 +11,6 @@ import package::voxels::list::Face;
 @group(1) @binding(2) var<storage, read> direct: array<vec4f>;
 @group(1) @binding(3) var<storage, read> irradiance: array<vec4f>;
 @group(1) @binding(4) var<storage, read_write> radiance: array<vec4f>;
-
-const PI: f32 = 3.14159265359;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(

@@ -2,12 +2,10 @@
 // of their surface, and then over rows along the other axis. With turn.wgsl's rays these 7 x 7
 // faces cover 784 evenly distributed directions. A row ends where other surface crosses it.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{FAR_CELLS, HIT_WORDS, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
-import package::light::turn::{FIRST_BESIDE, HIT_OFFSET, HIT_WORDS, SHARING_FACES};
-import package::volume::far_light::{
-    pack_far_light, unpack_far_light, FarLight, FAR_CELLS, NO_FAR_LIGHT,
-};
+import package::light::turn::{FIRST_BESIDE, HIT_OFFSET, SHARING_FACES};
+import package::volume::far_light::{pack_far_light, unpack_far_light, FarLight, NO_FAR_LIGHT};
 import package::volume::surface::far_cells;
 import package::voxels::counts::ListCounts;
 

@@ -2,14 +2,13 @@
 // gathers add the stored value.
 
 import package::cascades::cascade_of;
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{HIDDEN, LINEAR_WORKGROUP_SIZE};
 import package::emitters::gather::gather_emitters;
 import package::gpu::dispatch::linear_index;
 import package::gpu::random::{hash, random_pair};
 import package::light::turn::{
     counts, face_in_turn, faces, first_fresh, is_fresh, keep_from_emitters, settings,
 };
-import package::voxels::list::HIDDEN;
 import package::voxels::morton::morton_decode;
 
 // Points on emitters per face. Faces use the same points in every gather, so their noise does not

@@ -2,7 +2,7 @@
 
 import package::cascades::{cascade_of, voxel_of};
 import package::cones::cone::ConeSettings;
-import package::constants::RAREST_CASCADE;
+import package::constants::{HIT_WORDS, RAREST_CASCADE};
 import package::gpu::random::{hash, random_pair};
 import package::voxels::counts::ListCounts;
 import package::voxels::list::{Face, lobe_axis};
@@ -35,7 +35,6 @@ struct BounceSettings {
 @group(1) @binding(4) var<storage, read_write> hits: array<u32>;
 
 const FACE_RAYS = 16u;
-const HIT_WORDS = 24u;
 
 // The adjacent faces on the same surface, after the rays: the previous and the next one along each
 // axis.

@@ -11,10 +11,10 @@ const SETTLING_GATHERS: u32 = 32;
 const NEARLY_SETTLED_GATHERS: u32 = 9;
 
 /// log2 of the most frames between two gathers of a cascade.
-pub(crate) const RAREST_CASCADE: u32 = 3;
+pub(super) const RAREST_CASCADE: u32 = 3;
 
 /// After surface has moved, rays are traced again in this many groups, one a frame.
-pub(crate) const RAY_CLASSES: u32 = 4;
+pub(super) const RAY_CLASSES: u32 = 4;
 
 /// Numbers of gathers of every face after which the far light of pixels is updated: later gathers
 /// change less and less.

@@ -7,6 +7,8 @@
 // estimator of James and Stein (1961): of a difference d with noise s it uses the share 1 - (c s /
 // d)^2, and nothing below c s.
 
+import package::constants::FILTER_STEPS;
+
 // Light that is known of a pixel.
 struct Known {
     // Irradiance in rgb, openness in a.
@@ -15,7 +17,6 @@ struct Known {
     frames: f32,
 }
 
-const FILTER_STEPS: u32 = 4u;
 const WIDEST: u32 = FILTER_STEPS - 1u;
 
 // This frame's light at the pixel.

@@ -2,10 +2,11 @@
 // of the new light of the probes around it, weighted by how much they share its surface.
 
 import package::cascades::finest_level;
+import package::constants::PROBE_SPACING;
 import package::grid::grid_from_world;
 import package::temporal::filter::share;
 import package::temporal::guide::guide_normal;
-import package::temporal::probe::{probes_size, Probe, NO_PROBE, SPACING};
+import package::temporal::probe::{probes_size, Probe, NO_PROBE};
 
 // Guides of the last frame.
 @group(1) @binding(0) var guides: texture_2d<f32>;
@@ -34,7 +35,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         let normal = guide_normal(guide);
         let voxels = exp2(-f32(finest_level(guide.xyz, 0u, 0.5)));
         let size = vec2i(probes_size(traced_size));
-        let centre = vec2i(invocation.xy / SPACING);
+        let centre = vec2i(invocation.xy / PROBE_SPACING);
         for (var y = max(centre.y - RADIUS, 0); y <= min(centre.y + RADIUS, size.y - 1); y++) {
             for (var x = max(centre.x - RADIUS, 0); x <= min(centre.x + RADIUS, size.x - 1); x++) {
                 let probe = probes[y * size.x + x];

@@ -35,7 +35,7 @@ const GUIDE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 const RECORD: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 
 /// Distance between the pixels of each filter step.
-const STEPS: [u32; 4] = [1, 2, 4, 8];
+const FILTER_STEPS: [u32; 4] = [1, 2, 4, 8];
 
 /// Stride of `FilterStep` (`filter.wgsl`) in its buffer: the offset alignment of uniforms.
 const STEP_BYTES: u64 = 256;
@@ -43,9 +43,17 @@ const STEP_BYTES: u64 = 256;
 /// Jitter turns that a pixel traces in a frame without known light; four of them halve the noise.
 pub(crate) const FIRST_TURNS: u32 = 4;
 
-/// `SPACING` of `probe.wgsl`, and the bytes of a `Probe`.
+/// Spacing of probes, in traced pixels.
 const PROBE_SPACING: u32 = 3;
+/// Bytes of `Probe` of `probe.wgsl`.
 const PROBE_BYTES: u64 = 80;
+
+/// Defines the constants that Rust and the shaders of this folder share.
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
+    library
+        .constant_u32("FILTER_STEPS", FILTER_STEPS.len() as u32)
+        .constant_u32("PROBE_SPACING", PROBE_SPACING);
+}
 
 /// Bytes of a [`Past`] for a picture with this number of pixels.
 pub(crate) fn past_bytes(pixels: u64, traced_size: UVec2) -> u64 {
@@ -255,7 +263,7 @@ impl Past {
         (size, traced_size): (UVec2, UVec2),
         mut make: impl FnMut(&'static str, UVec2, wgpu::TextureFormat) -> Texture,
     ) -> Self {
-        let steps = STEPS.map(|step| {
+        let steps = FILTER_STEPS.map(|step| {
             let mut words = [0_u32; STEP_BYTES as usize / 4];
             words[0] = step;
             words

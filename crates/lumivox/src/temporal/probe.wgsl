@@ -1,5 +1,7 @@
 // One traced pixel of each 3x3, from which the next frame measures how the light has changed.
 
+import package::constants::PROBE_SPACING;
+
 struct Probe {
     position_in_world: vec3f,
     // The index in its jitter sequence.
@@ -19,10 +21,7 @@ struct Probe {
 
 const NO_PROBE: u32 = 0xffffffffu;
 
-// Spacing of probes, in traced pixels.
-const SPACING: u32 = 3u;
-
 // The size of the table of probes.
 fn probes_size(traced_size: vec2u) -> vec2u {
-    return (traced_size + SPACING - 1u) / SPACING;
+    return (traced_size + PROBE_SPACING - 1u) / PROBE_SPACING;
 }

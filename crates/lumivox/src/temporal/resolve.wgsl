@@ -1,7 +1,8 @@
 // This frame's light at every pixel: the light gathered around it, blended into the known light.
 // The result is the light of the picture, and what the next frame recalls.
 
-import package::temporal::blend::{blend, Fresh, Known, FILTER_STEPS};
+import package::constants::FILTER_STEPS;
+import package::temporal::blend::{blend, Fresh, Known};
 import package::temporal::record::{encode_record, Record};
 import package::trace::around::{traced_around, Around, FITS};
 import package::trace::gbuffer::{load_specular, load_surface};

@@ -1,6 +1,7 @@
 // Samples the probes of a traced frame: a different pixel of each 3x3 in each frame.
 
-import package::temporal::probe::{probes_size, Probe, NO_PROBE, SPACING};
+import package::constants::PROBE_SPACING;
+import package::temporal::probe::{probes_size, Probe, NO_PROBE};
 import package::trace::gbuffer::load_surface;
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn};
 import package::trace::view::view;
@@ -15,9 +16,9 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         return;
     }
     let index = invocation.y * size.x + invocation.x;
-    let turn = view.frame % (SPACING * SPACING);
-    let within = vec2u(turn % SPACING, turn / SPACING);
-    let place = min(SPACING * invocation.xy + within, traced_size() - 1u);
+    let turn = view.frame % (PROBE_SPACING * PROBE_SPACING);
+    let within = vec2u(turn % PROBE_SPACING, turn / PROBE_SPACING);
+    let place = min(PROBE_SPACING * invocation.xy + within, traced_size() - 1u);
     let pixel = traced_pixel(place);
     let surface = load_surface(pixel);
     if surface.depth <= 0.0 || settings.bounces == 0u {

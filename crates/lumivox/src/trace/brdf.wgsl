@@ -2,7 +2,7 @@
 // shadowing, Schlick's Fresnel term. alpha is the square of the perceptual roughness (Burley 2012,
 // section 5.4).
 
-const PI: f32 = 3.14159265359;
+import package::constants::PI;
 
 // Minimum alpha: below it f32 cannot represent the distribution's peak.
 const MIN_ALPHA: f32 = 0.001;

@@ -1,6 +1,7 @@
 // Diffuse cones from the pixels of the G-buffer: irradiance in rgb, openness in a.
 
 import package::cascades::drawn_level;
+import package::constants::LARGEST_HALF;
 import package::gpu::random::{hash, random_pair};
 import package::emitters::gather::gather_emitters;
 import package::trace::gbuffer::load_surface;
@@ -69,7 +70,7 @@ fn trace_diffuse(pixel: vec2u, turn: u32, turns: u32) -> TracedDiffuse {
         mean.samples += traced.samples;
     }
     // Next to a filament it may exceed the largest half float.
-    mean.irradiance = min(mean.irradiance, vec4f(65504.0));
+    mean.irradiance = min(mean.irradiance, vec4f(LARGEST_HALF));
     return mean;
 }
 

@@ -3,6 +3,7 @@
 // A caller's own module (`GiConfig::gbuffer`) can replace it as `package::trace::gbuffer`, with its
 // own bindings from 1 on and the same three functions: load_surface, load_specular, load_motion.
 
+import package::constants::AS_THE_CAMERA;
 import package::trace::surface::{octahedral_decode, Specular, Surface};
 import package::trace::view::{camera_motion, position_from_depth, view};
 
@@ -19,8 +20,6 @@ import package::trace::view::{camera_motion, position_from_depth, view};
 @group(3) @binding(5) var gbuffer_emission: texture_2d<f32>;
 // Motion in xy, read if view.has_motion is set; AS_THE_CAMERA for static surfaces.
 @group(3) @binding(6) var gbuffer_motion: texture_2d<f32>;
-
-const AS_THE_CAMERA: f32 = 1024.0;
 
 // The position and orientation of the pixel's surface.
 fn load_surface(pixel: vec2u) -> Surface {

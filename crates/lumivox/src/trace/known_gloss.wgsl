@@ -4,13 +4,12 @@
 // Known light has no noise from pixel to pixel, but an error that is the same for a few voxels. So
 // the first frame of a mean takes all of it, and later ones less.
 
+import package::constants::{FAR_CELLS, PI};
 import package::emitters::emitter::strength;
-import package::trace::brdf::PI;
 import package::trace::lobe::{draw_in_grid, wind, Drawn, Lobe, DRAWS, GRID};
 import package::trace::screen::{settings, share_in_mean};
 import package::trace::view::view;
 import package::trace::way::known_from;
-import package::volume::far_light::FAR_CELLS;
 
 // Frames of a mean that take known light.
 const KNOWN_FRAMES: u32 = 12u;

@@ -33,6 +33,11 @@ const OUTPUT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Format of the sample counts.
 const SAMPLES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
+/// Defines the constants that Rust and the shaders of this folder share.
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
+    library.constant_f32("AS_THE_CAMERA", AS_THE_CAMERA);
+}
+
 /// `ScreenSettings` of `screen.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

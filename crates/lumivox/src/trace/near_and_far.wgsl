@@ -10,14 +10,13 @@ import package::cones::gather::Gathered;
 import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
 import package::cones::ray::{shown_by, trace_ray, Passed, Ray};
 import package::cones::way::{cone_growth, cone_start};
+import package::constants::{FAR_CELLS, PI};
 import package::environment::environment_radiance;
 import package::grid::grid_from_world;
 import package::volume::beside::{is_parted, spot_at};
-import package::volume::far_light::{unpack_far_light, Known, FAR_CELLS, NEAR, NO_FAR_LIGHT};
+import package::volume::far_light::{unpack_far_light, Known, NEAR, NO_FAR_LIGHT};
 import package::volume::patch::NOTHING;
 import package::volume::surface::{far_cells, far_light_of};
-
-const PI: f32 = 3.14159265359;
 
 // The cell of FAR_CELLS that contains a direction: cell_cone of hemisphere.wgsl has 5 cells in the
 // inner ring and 11 in the outer one.

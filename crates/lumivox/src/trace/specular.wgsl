@@ -13,6 +13,7 @@
 // Under a clear coat there are two lobes. A turn draws one of them, with a probability proportional
 // to its reflectance, and divides by that probability.
 
+import package::constants::LARGEST_HALF;
 import package::gpu::random::{hash, random_pair, sequence_pair};
 import package::environment::environment_reflection;
 import package::trace::brdf::{alpha_from_roughness, fresnel_schlick};
@@ -22,7 +23,7 @@ import package::cones::cone::Cone;
 import package::cones::way::{cone_growth, cone_start, trace_cone};
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::cones::hemisphere::basis;
-import package::emitters::gather::{has_emitters, STEPS};
+import package::emitters::gather::{has_emitters, TURN_STEPS};
 import package::trace::known_gloss::{resample, share_of_known};
 import package::trace::lobe::Lobe;
 import package::trace::lobe_emitters::{expected_irradiance, reflect_emitters};
@@ -107,7 +108,7 @@ fn trace_specular(pixel: vec2u, turn: u32, turns: u32, samples: f32) -> Reflecti
     }
     // Near surfaces may have replaced more light than is known in all directions. A mirror of the
     // sun may exceed the largest half float.
-    mean.light = clamp(mean.light, vec4f(0.0), vec4f(65504.0));
+    mean.light = clamp(mean.light, vec4f(0.0), vec4f(LARGEST_HALF));
     return mean;
 }
 
@@ -137,7 +138,7 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
     var reflected = known_share * resampled.known;
     var samples = 0.0;
     if has_emitters() {
-        let numbers = fract(start.yx + fract(STEPS * f32(turn & 0xffffu)));
+        let numbers = fract(start.yx + fract(TURN_STEPS * f32(turn & 0xffffu)));
         let from_emitters = reflect_emitters(
             surface, lobe, gloss.world_from_normal, level, gloss.expected, sequence_pair(start, turn), numbers);
         reflected += from_emitters.rgb;

@@ -2,7 +2,8 @@
 // them.
 
 import package::cascades::{box_size, lowest_voxel, stored_cell};
-import package::volume::patch::{start_of, unpack_patch, NOTHING, Patch, PATCH_WORDS};
+import package::constants::PATCH_WORDS;
+import package::volume::patch::{start_of, unpack_patch, NOTHING, Patch};
 import package::volume::surface::{index, patches};
 import package::voxels::covered::{across, is_covered};
 import package::voxels::index::{first_entry, FACE_BITS};
@@ -10,7 +11,7 @@ import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_encode;
 
 // Minimum distance of both points from a surface that separates them, in voxels.
-const PARTED = 0.002;
+const LEAST_DISTANCE = 0.002;
 
 fn patch_of(face: u32) -> Patch {
     return unpack_patch(patches[PATCH_WORDS * face], patches[PATCH_WORDS * face + 4u]);
@@ -42,7 +43,7 @@ fn face_between(entry: u32, but: u32, start: vec3f, end: vec3f) -> u32 {
         let plane = patch_of(other);
         let ours = dot(plane.normal, start) - plane.offset;
         let its = dot(plane.normal, end) - plane.offset;
-        let is_near = min(abs(ours), abs(its)) < PARTED * length(plane.normal);
+        let is_near = min(abs(ours), abs(its)) < LEAST_DISTANCE * length(plane.normal);
         if other == but || plane.holes != 0u || is_near || ours * its > 0.0 {
             continue;
         }

@@ -2,8 +2,6 @@
 // hemisphere over it (cones/hemisphere.wgsl) with the mean radiance of surfaces farther away than
 // NEAR, and the open share of the cell.
 
-const FAR_CELLS = 16u;
-
 // Pixels find surfaces up to this distance, in voxels, by their own rays.
 const NEAR = 6.0;
 

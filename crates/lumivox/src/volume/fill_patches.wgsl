@@ -1,10 +1,10 @@
 // Creates patches of faces, and writes the light that they show.
 
 import package::cascades::voxel_of;
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{LINEAR_WORKGROUP_SIZE, PATCH_WORDS};
 import package::gpu::dispatch::linear_index;
 import package::grid::grid_from_world;
-import package::volume::patch::{pack_emission, pack_light, pack_normal, pack_offset, unpack_normal, PATCH_WORDS};
+import package::volume::patch::{pack_emission, pack_light, pack_normal, pack_offset, unpack_normal};
 import package::voxels::counts::ListCounts;
 import package::voxels::covered::across;
 import package::voxels::list::{Face, lobe_axis};

@@ -36,6 +36,9 @@ use surface::Surface;
 /// Format of the textures that store cells.
 const CELL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
+/// The most parts of a cell (`parts.wgsl`): of six lobes.
+const CELL_PARTS: u32 = 9;
+
 /// How cells are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum VolumeKind {
@@ -76,6 +79,8 @@ pub fn dense_volume_bytes(grid: &Grid, directionality: Directionality) -> u64 {
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     octree::add_constants(library);
     library
+        .constant_u32("CELL_PARTS", CELL_PARTS)
+        .constant_u32("PATCH_WORDS", surface::PATCH_WORDS)
         .constant_u32("BLOCK_LEVEL", surface::BLOCK_LEVEL)
         .constant_u32("MASK_LEVELS", dense::MASK_LEVELS as u32);
 }

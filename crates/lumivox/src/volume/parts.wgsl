@@ -6,9 +6,8 @@
 // opacity, and opacity, which is the vector area's component along the axis. An isotropic cell has
 // the one part 0: radiance premultiplied, and opacity.
 
-import package::constants::ISOTROPIC;
+import package::constants::{CELL_PARTS, ISOTROPIC, LARGEST_HALF};
 
-const PARTS: u32 = 9u;
 const TILT: u32 = 0u;
 const POSITIVE: u32 = 1u;
 const NEGATIVE: u32 = 2u;
@@ -16,7 +15,7 @@ const NEGATIVE: u32 = 2u;
 // A part, clamped to half floats: brighter values would become infinite, and each bounce would
 // spread them.
 fn storable(part: vec4f) -> vec4f {
-    return min(part, vec4f(65504.0));
+    return min(part, vec4f(LARGEST_HALF));
 }
 
 fn part_of(axis: u32, kind: u32) -> u32 {

@@ -1,7 +1,7 @@
 // A face as rays see it: twelve words. The last two are its emission, which is included in the
 // light that it shows.
 
-import package::voxels::list::{HOLES, PARTED, SINGLE_SIDED};
+import package::constants::{HOLES, LARGEST_HALF, PARTED, SINGLE_SIDED};
 
 struct Patch {
     // The plane, in the voxel's coordinates: dot(normal, p) = offset. The normal has any length.
@@ -13,8 +13,6 @@ struct Patch {
     holes: u32,
     is_parted: bool,
 }
-
-const PATCH_WORDS = 6u;
 
 // Placeholders for a face's light: no surface, a single-sided surface from behind, or a surface
 // whose light is unknown.
@@ -54,11 +52,8 @@ fn unpack_normal(packed: u32) -> vec3f {
     return vec3f(select(flat, folded, z < 0.0), z);
 }
 
-// The largest half float.
-const BRIGHTEST = 65504.0;
-
 fn pack_light(radiance: vec3f, lobe: u32, flags: u32) -> vec2u {
-    let stored = min(radiance, vec3f(BRIGHTEST));
+    let stored = min(radiance, vec3f(LARGEST_HALF));
     let look = lobe
         | select(0u, 8u, (flags & SINGLE_SIDED) != 0u)
         | select(0u, 0x1000u, (flags & PARTED) != 0u)
@@ -67,7 +62,7 @@ fn pack_light(radiance: vec3f, lobe: u32, flags: u32) -> vec2u {
 }
 
 fn pack_emission(emission: vec3f) -> vec2u {
-    let stored = min(emission, vec3f(BRIGHTEST));
+    let stored = min(emission, vec3f(LARGEST_HALF));
     return vec2u(pack2x16float(stored.rg), pack2x16float(vec2f(stored.b, 0.0)));
 }
 

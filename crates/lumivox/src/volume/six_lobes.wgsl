@@ -4,8 +4,9 @@
 // Seen along d, a lobe with vector area N covers max(0, -d . N): exactly what a plane of that
 // orientation covers, and nothing from behind.
 
+import package::constants::CELL_PARTS;
 import package::volume::cells::{fetch, inside_share, load_part, parts_at, place_at, Place};
-import package::volume::parts::{part_of, NEGATIVE, PARTS, POSITIVE, TILT};
+import package::volume::parts::{part_of, NEGATIVE, POSITIVE, TILT};
 
 // Bit mask of the tilts of all axes.
 const TILTS: u32 = 0x49u;
@@ -78,7 +79,7 @@ fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
     var tilt = vec4f(0.0);
     var tilted_axis = 3u;
     loop {
-        let part = min(firstTrailingBit(parts), PARTS - 1u);
+        let part = min(firstTrailingBit(parts), CELL_PARTS - 1u);
         let axis = part / 3u;
         let kind = part % 3u;
         let value = fetch(probe.place, part);

@@ -8,14 +8,15 @@ use crate::light::FAR_BYTES;
 use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList, level_words};
 use crate::{GiError, Grid};
 
-/// Bytes of a patch.
-const PATCH_BYTES: u64 = 48;
+/// Pairs of 32-bit words of a patch.
+pub(super) const PATCH_WORDS: u32 = 6;
+const PATCH_BYTES: u64 = 8 * PATCH_WORDS as u64;
 
 /// Bytes of all that rays know of a face: more than any other buffer has for one.
 pub(crate) const SURFACE_BYTES: u64 = PATCH_BYTES + FAR_BYTES;
 
 /// The level of the blocks that rays skip at once (`voxels/index.wgsl`).
-pub(crate) const BLOCK_LEVEL: u32 = 3;
+pub(super) const BLOCK_LEVEL: u32 = 3;
 
 /// All surfaces on the GPU.
 #[derive(Debug)]

@@ -1,7 +1,6 @@
 // All surfaces, as rays see them: group 0, next to the grid and the emitters.
 
-import package::volume::far_light::FAR_CELLS;
-import package::volume::patch::PATCH_WORDS;
+import package::constants::{FAR_CELLS, PATCH_WORDS};
 
 // Index of the voxels' faces (voxels/index.wgsl).
 @group(0) @binding(6) var<storage, read> index: array<u32>;

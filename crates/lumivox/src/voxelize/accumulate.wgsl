@@ -3,8 +3,9 @@
 // The sums are stored in the list of faces itself, each in the place of its mean (resolve.wgsl).
 
 import package::constants::{
-    DOUBLE_SIDED, FACE_CELL, FACE_EMISSION, FACE_FLAGS, FACE_GLOSS, FACE_LOBE, FACE_MASK_HIGH, FACE_MASK_LOW, FACE_POSITION,
-    FACE_PROFILES, FACE_REFLECTANCE, FACE_VECTOR_AREA, FACE_WORDS, LINEAR_WORKGROUP_SIZE, OPEN_BEHIND,
+    DOUBLE_SIDED, FACE_CELL, FACE_EMISSION, FACE_FLAGS, FACE_GLOSS, FACE_LOBE, FACE_MASK_HIGH,
+    FACE_MASK_LOW, FACE_POSITION, FACE_PROFILES, FACE_REFLECTANCE, FACE_VECTOR_AREA, FACE_WORDS,
+    LINEAR_WORKGROUP_SIZE, OPEN_BEHIND, SINGLE_SIDED,
 };
 import package::gpu::random::hash;
 import package::voxelize::cover::{Cover, cover_of};
@@ -17,7 +18,7 @@ import package::voxelize::triangles::{SMALLEST_COVERAGE, draws};
 import package::voxelize::verdict::Verdict;
 import package::voxelize::footprint::turn_back;
 import package::voxelize::walk::{Walk, walk_begin, walk_cell, walk_on};
-import package::voxels::list::{SINGLE_SIDED, faces_before, faces_in};
+import package::voxels::list::{faces_before, faces_in};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_encode;
 

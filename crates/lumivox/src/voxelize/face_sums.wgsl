@@ -1,10 +1,11 @@
 // Converts the sums of a face to its means.
 
 import package::cascades::grid_from_stored;
+import package::constants::HOLES;
 import package::grid::world_from_grid;
 import package::voxelize::footprint::turn_back;
 import package::voxelize::plane_keys::plane_of;
-import package::voxels::list::{HOLES, LARGEST_REFLECTANCE, lobe_axis, lobe_sign};
+import package::voxels::list::{LARGEST_REFLECTANCE, lobe_axis, lobe_sign};
 import package::voxels::morton::morton_decode;
 
 // A face before and after the conversion: sums as integers, then the numbers of voxels::list::Face

@@ -7,12 +7,12 @@
 // from those behind it: the point is then on the side with most of them.
 
 import package::cascades::voxel_of;
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{HIDDEN, LINEAR_WORKGROUP_SIZE, PARTED, SINGLE_SIDED};
 import package::gpu::dispatch::linear_index;
 import package::grid::{grid_from_world, world_from_grid};
 import package::voxelize::verdict::Verdict;
 import package::voxels::covered::{across, is_covered};
-import package::voxels::list::{Face, HIDDEN, Node, PARTED, SINGLE_SIDED, faces_of, lobe_axis};
+import package::voxels::list::{Face, Node, faces_of, lobe_axis};
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(0) var<uniform> verdict: Verdict;

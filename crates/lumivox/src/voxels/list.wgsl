@@ -39,16 +39,6 @@ fn with_faces(lobes: u32, lobe: u32, count: u32) -> u32 {
     return lobes | (count << (14u + 3u * lobe));
 }
 
-// Flags of a face. SINGLE_SIDED: no surface behind it is visible from there; it blocks rays that
-// meet it from behind.
-const SINGLE_SIDED = 1u;
-// No part of it is visible: it lies inside of other surface, and gathers nothing.
-const HIDDEN = 2u;
-// Other surface separates some of its visible part from the point where its light is computed.
-const PARTED = 4u;
-// The lowest of eight bits: the share of its covered area that light passes, of 255.
-const HOLES = 8u;
-
 // The surface of one plane in one lobe of a voxel.
 struct Face {
     // Mean position of the visible surface, weighted by area along the lobe's axis.

@@ -12,15 +12,25 @@ mod pyramid;
 pub(crate) use build::{BoundInner, BoundNodes, Cells, ListBuilder, RankedBits};
 pub(crate) use pyramid::{BitLevel, BoundPyramid, Pyramid, level_first_word, level_words};
 
-use crate::gpu::{Buffer, Indirect};
+use crate::gpu::{Buffer, Indirect, ShaderLibrary};
 use bytemuck::{Pod, Zeroable};
 
 /// Bytes of a block of [`VoxelList::counts`]: the alignment of a uniform binding's offset.
 const COUNT_BLOCK_BYTES: u64 = 256;
 /// Words of a block of [`VoxelList::counts`].
-pub(crate) const COUNT_BLOCK_WORDS: u32 = COUNT_BLOCK_BYTES as u32 / 4;
+const COUNT_BLOCK_WORDS: u32 = COUNT_BLOCK_BYTES as u32 / 4;
 /// Bytes of [`ListCounts`]; at least as many as [`NodeRange`] has.
 pub(crate) const LIST_COUNT_BYTES: u64 = size_of::<ListCounts>() as u64;
+
+/// Defines the constants that Rust and the shaders of this folder share.
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
+    library
+        .constant_u32("COUNT_BLOCK_WORDS", COUNT_BLOCK_WORDS)
+        .constant_u32("SINGLE_SIDED", FaceRecord::SINGLE_SIDED)
+        .constant_u32("HIDDEN", FaceRecord::HIDDEN)
+        .constant_u32("PARTED", FaceRecord::PARTED)
+        .constant_u32("HOLES", FaceRecord::HOLES);
+}
 
 /// `ListCounts` of `counts.wgsl`.
 #[repr(C)]
@@ -94,8 +104,8 @@ pub struct FaceRecord {
     pub lobe: u32,
     /// Mean share of the light that enters which is reflected diffusely.
     pub reflectance: [f32; 3],
-    /// Bit 0: it blocks rays that meet it from behind. Bit 1: no part of it is visible. Bits 8 to
-    /// 15: the share of its covered area that light passes, of 255.
+    /// [`Self::SINGLE_SIDED`], [`Self::HIDDEN`], [`Self::PARTED`], and bits 8 to 15
+    /// ([`Self::HOLES`]).
     pub flags: u32,
     /// Mean emitted radiance.
     pub emission: [f32; 3],
@@ -107,6 +117,17 @@ pub struct FaceRecord {
     pub mask_high: u32,
     /// Its covered range along u, v, u + v and u - v, a bit for each of 32 parts.
     pub profiles: [u32; 4],
+}
+
+impl FaceRecord {
+    /// No surface behind it is visible from there; it blocks rays that meet it from behind.
+    pub const SINGLE_SIDED: u32 = 1;
+    /// No part of it is visible: it lies inside of other surface, and gathers nothing.
+    pub const HIDDEN: u32 = 2;
+    /// Other surface separates some of its visible part from the point where its light is computed.
+    pub const PARTED: u32 = 4;
+    /// The lowest of eight bits: the share of its covered area that light passes, of 255.
+    pub const HOLES: u32 = 8;
 }
 
 /// The list of occupied voxels of a scene, on the GPU.

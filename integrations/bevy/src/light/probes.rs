@@ -16,7 +16,7 @@ use crate::volumes::voxels::beside_frames;
 /// Voxels along the edge of a probe's cell: in a box, and in the outermost cascade.
 const VOXELS_A_CELL: [u32; 2] = [4, 2];
 /// Directions per probe.
-const SIDES: u32 = 6;
+const PROBE_SIDES: u32 = 6;
 /// Frames that a probe gathers per turn.
 const FRAMES_A_TURN: u32 = 2;
 /// The frame's budget of voxel faces, divided by this, is the number of probes that gather.
@@ -120,7 +120,9 @@ impl ProbeKernels {
         gi.prepare_gather()?;
         let pipelines = gi.pipelines();
         let mut library = gi.shaders().clone();
-        library.add("bevy::probes", include_str!("probes.wgsl"));
+        library
+            .add("bevy::probes", include_str!("probes.wgsl"))
+            .constant_u32("PROBE_SIDES", PROBE_SIDES);
         let probes_layout = LayoutBuilder::compute()
             .uniform()
             .storage_mut()
@@ -175,7 +177,7 @@ impl Probes {
         let grid = ProbeGrid::around(gi, &gi_settings.volume);
         let wanted = gi_settings.face_budget().map_or(grid.count(), |faces| faces / FACES_A_PROBE);
         let batch = wanted.clamp(1, grid.count());
-        let points = SIDES * batch;
+        let points = PROBE_SIDES * batch;
         let [positions, normals] = ["positions of probes", "normals of probes"]
             .map(|label| storage_buffer(device, label, 16 * u64::from(points)));
         let points = GatherPoints::new(device, &positions, &normals, points);

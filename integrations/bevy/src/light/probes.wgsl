@@ -3,13 +3,10 @@
 
 import package::cascades::finest_level;
 import package::cones::ray::{trace_ray, Passed, Ray};
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{LINEAR_WORKGROUP_SIZE, PI, PROBE_SIDES};
 import package::gpu::dispatch::linear_index;
 import package::grid::grid_from_world;
 import package::volume::patch::BLACK;
-
-const PI: f32 = 3.14159265359;
-const SIDES: u32 = 6u;
 
 struct ProbeSettings {
     // The corner of the grid of probes, m.
@@ -96,9 +93,9 @@ fn place(
     let number = (settings.first + index) % probe_count();
     let cell = cell_of(number, settings.cells);
     let position = settings.low + (vec3f(cell) + 0.5) * settings.edge;
-    for (var side = 0u; side < SIDES; side++) {
-        positions[SIDES * index + side] = vec4f(position, 0.0);
-        normals[SIDES * index + side] = vec4f(side_direction(side), 0.0);
+    for (var side = 0u; side < PROBE_SIDES; side++) {
+        positions[PROBE_SIDES * index + side] = vec4f(position, 0.0);
+        normals[PROBE_SIDES * index + side] = vec4f(side_direction(side), 0.0);
         probes[number].light[side].a = select(1.0, 0.0, sees_back(grid_from_world(position), side));
     }
 }
@@ -125,15 +122,15 @@ fn take(
     let number = (settings.first + index) % probe_count();
     var now = 0.0;
     var before = 0.0;
-    for (var side = 0u; side < SIDES; side++) {
-        now += luminance(max(gathered[SIDES * index + side].indirect, vec3f(0.0)));
+    for (var side = 0u; side < PROBE_SIDES; side++) {
+        now += luminance(max(gathered[PROBE_SIDES * index + side].indirect, vec3f(0.0)));
         before += luminance(probes[number].light[side].rgb);
     }
     let has_changed = abs(now - before) > CHANGE * max(now, before);
     let turns = select(probes[number].turns, 0u, has_changed);
     let share = max(1.0 / (f32(turns) + 1.0), LEAST_SHARE);
-    for (var side = 0u; side < SIDES; side++) {
-        let light = max(gathered[SIDES * index + side].indirect, vec3f(0.0));
+    for (var side = 0u; side < PROBE_SIDES; side++) {
+        let light = max(gathered[PROBE_SIDES * index + side].indirect, vec3f(0.0));
         let mean = mix(probes[number].light[side].rgb, light, share);
         probes[number].light[side] = vec4f(mean, probes[number].light[side].a);
     }
@@ -172,7 +169,7 @@ fn move_on(
 
 fn show(cell: vec3u, light: array<vec4f, 6>) {
     var sides = light;
-    for (var side = 0u; side < SIDES; side++) {
+    for (var side = 0u; side < PROBE_SIDES; side++) {
         let slab = vec3u(0u, side & 1u, side / 2u);
         textureStore(volume_texture, cell + slab * settings.texture_cells, sides[side]);
     }
@@ -220,7 +217,7 @@ fn fill(
     let most = vec3i(settings.cells) - 1;
     let nearest = clamp(vec3i(floor((position - settings.low) / settings.edge)), vec3i(0), most);
     var light = array<vec4f, 6>();
-    for (var side = 0u; side < SIDES; side++) {
+    for (var side = 0u; side < PROBE_SIDES; side++) {
         light[side] = vec4f(light_around(nearest, side) / PI, 1.0);
     }
     show(cell, light);

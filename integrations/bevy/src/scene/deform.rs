@@ -14,7 +14,7 @@ use lumivox::{GiError, wgpu};
 use crate::settings::{LumivoxGi, NotInGi};
 
 /// Offset of the joints in a mesh without any.
-pub(crate) const NONE: u32 = u32::MAX;
+pub(crate) const NO_JOINTS: u32 = u32::MAX;
 
 /// `Deformation` of `deform.wgsl`.
 #[repr(C)]
@@ -43,8 +43,8 @@ impl Deformation {
             first_vertex,
             stride,
             position,
-            joint_indices: NONE,
-            joint_weights: NONE,
+            joint_indices: NO_JOINTS,
+            joint_weights: NO_JOINTS,
             first_joint: 0,
             first_target: 0,
             target_count: 0,
@@ -227,7 +227,9 @@ impl Deformer {
             }
             let layout = layout.storage_mut().build(pipelines, "deform");
             let mut library = ShaderLibrary::default();
-            library.add("bevy::deform", include_str!("deform.wgsl"));
+            library
+                .add("bevy::deform", include_str!("deform.wgsl"))
+                .constant_u32("NO_JOINTS", NO_JOINTS);
             let kernel = Kernel::new(pipelines, &library, "bevy::deform", "main", &[&layout])?;
             self.kernel = Some((kernel, layout));
         }

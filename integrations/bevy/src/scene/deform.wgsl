@@ -1,12 +1,14 @@
 // Positions of vertices that joints and morph targets move, as Bevy's vertex shader computes them.
 
+import package::constants::NO_JOINTS;
+
 struct Deformation {
     vertex_count: u32,
     // In a slab of vertices: the first one, and the stride and attribute offsets in words.
     first_vertex: u32,
     stride: u32,
     position: u32,
-    // NONE: no joints.
+    // NO_JOINTS: no joints.
     joint_indices: u32,
     joint_weights: u32,
     first_joint: u32,
@@ -19,7 +21,6 @@ struct Deformation {
     padding: u32,
 }
 
-const NONE: u32 = 0xffffffffu;
 // Words per vertex of a morph target: three vectors of four.
 const TARGET_WORDS: u32 = 12u;
 
@@ -51,7 +52,7 @@ fn morphed(local: vec3f, index: u32) -> vec3f {
 }
 
 fn skinned(local: vec3f, vertex: u32) -> vec3f {
-    if deformation.joint_indices == NONE {
+    if deformation.joint_indices == NO_JOINTS {
         return local;
     }
     let low = vertices[vertex + deformation.joint_indices];

@@ -1,6 +1,7 @@
 // Adds the light of the cones to Bevy's picture.
 
-import package::trace::brdf::{fresnel_of_even_light, PI};
+import package::constants::PI;
+import package::trace::brdf::fresnel_of_even_light;
 import package::trace::coat::{below_coat, load_coat};
 import package::trace::gbuffer::{load_albedo, load_specular, load_surface, place};
 import package::trace::view::view;

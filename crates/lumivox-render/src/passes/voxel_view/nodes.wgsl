@@ -2,6 +2,7 @@
 //
 // Blue: nodes with their own cells. Orange: nodes that exist only for their neighbours.
 
+import package::constants::CELL_PARTS;
 import package::grid::grid;
 import package::volume::octree::search::{find_node, node_parts};
 import package::volume::octree::tree::corner_of;
@@ -12,17 +13,16 @@ import package::render::passes::voxel_view::view::{
 };
 import package::trace::view::view;
 import package::volume::cells::load_part;
-import package::volume::parts::PARTS;
 
 const OWN_COLOR: vec3f = vec3f(0.12, 0.5, 1.0);
 const NEIGHBOR_COLOR: vec3f = vec3f(1.0, 0.35, 0.04);
 // Width of a line in pixels.
-const LINE_WIDTH: f32 = 0.8;
+const NODE_LINE_WIDTH: f32 = 0.8;
 
 fn has_own_cells(node_cell: vec3u, parts: u32, level: u32) -> bool {
     var is_own = false;
     for (var octant = 0u; octant < 8u; octant++) {
-        for (var part = 0u; part < PARTS; part++) {
+        for (var part = 0u; part < CELL_PARTS; part++) {
             if ((parts >> part) & 1u) != 0u {
                 let value = load_part(2u * node_cell + corner_of(octant), level - 1u, part);
                 is_own = is_own || any(value != vec4f(0.0));
@@ -45,7 +45,7 @@ fn first_line(ray: Ray, level: u32, end: f32) -> vec4f {
             // The face through which the ray enters, and the one through which it leaves.
             let leave_axis = next_axis(walk);
             let leave = walk.next[leave_axis];
-            let width = LINE_WIDTH * voxel_view_settings.pixel_slope;
+            let width = NODE_LINE_WIDTH * voxel_view_settings.pixel_slope;
             let near_edge = distance_to_edge(ray.origin + walk.distance * ray.direction, walk.axis);
             let far_edge = distance_to_edge(ray.origin + leave * ray.direction, leave_axis);
             if near_edge < width * walk.distance || (far_edge < width * leave && leave < end) {

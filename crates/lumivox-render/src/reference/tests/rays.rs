@@ -8,6 +8,7 @@ use lumivox::shaders::library_with_volume;
 use lumivox::{Directionality, VolumeKind};
 
 use super::*;
+use crate::reference::geometry::{AS_SEEN, BOTH_SIDES, NO_TRIANGLE};
 use crate::reference::upload::layout;
 
 #[repr(C)]
@@ -21,10 +22,6 @@ struct Query {
     triangle: u32,
     padding: u32,
 }
-
-const AS_SEEN: u32 = 0;
-const BOTH_SIDES: u32 = 1;
-const NOTHING: u32 = u32::MAX;
 
 fn query(origin: DVec3, direction: DVec3, sides: u32) -> Query {
     Query {
@@ -135,10 +132,11 @@ fn assert_twin(what: &str, scene: &Scene, corners: &[Vec3], half: usize, queries
         if expected.is_finite() {
             hits += 1;
             let distance = f64::from(answer.distance);
-            let is_same = answer.triangle != NOTHING && (distance / expected - 1.0).abs() < 1e-3;
+            let is_same =
+                answer.triangle != NO_TRIANGLE && (distance / expected - 1.0).abs() < 1e-3;
             assert!(is_same, "{what}: {answer:?}, not at {expected}");
         } else {
-            assert_eq!(answer.triangle, NOTHING, "{what}: {answer:?}, where nothing is");
+            assert_eq!(answer.triangle, NO_TRIANGLE, "{what}: {answer:?}, where nothing is");
         }
     }
     println!("{what}: {hits} of {} rays hit, {close} pass an edge closely", queries.len());
@@ -264,6 +262,6 @@ fn no_ray_slips_through_an_edge() {
     let mut scene = stage();
     add(&mut scene, mesh, Material::diffuse("sphere", Vec3::ONE));
     let answers = ask(&scene, &queries);
-    let lost = answers.iter().filter(|answer| answer.triangle == NOTHING).count();
+    let lost = answers.iter().filter(|answer| answer.triangle == NO_TRIANGLE).count();
     assert_eq!(lost, 0, "of {} rays, {lost} slip through", queries.len());
 }

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::f32::consts::PI;
 
 use bytemuck::Pod;
+use half::f16;
 
 use super::{
     LIGHT_ENVIRONMENT, Light, LightGlobals, LightRecord, LightSource, SHADOW_CONE, SHADOW_MAP,
@@ -465,15 +466,13 @@ fn layers_of(source: &LightSource) -> usize {
     if matches!(source, LightSource::Point { .. }) { 6 } else { 1 }
 }
 
-const LARGEST_HALF: f32 = 65504.0;
-
 /// The alpha below which a lobe shows the shape of the widest environment light: the microfacets'
 /// normals turn by half the angle of the reflection. 0 without such lights. Peaks whose radiance
 /// exceeds a half float have no say: the map and the reflections would clamp it.
 fn mirror_alpha(records: &[LightRecord]) -> f32 {
     let fits = |light: &&LightRecord| {
         let brightest = light.intensity.into_iter().fold(0.0, f32::max);
-        brightest <= LARGEST_HALF * PI * light.radius * light.radius
+        brightest <= f16::MAX.to_f32() * PI * light.radius * light.radius
     };
     let parts = records.iter().filter(|light| light.kind == LIGHT_ENVIRONMENT).filter(fits);
     parts.map(|light| 0.5 * light.radius).fold(0.0, f32::max)

@@ -1,11 +1,10 @@
 // Writes zeros to the changed cells of a level.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{CELL_PARTS, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
 import package::volume::dense::atlas::part_texel;
 import package::volume::changes::cells::{changed_cell, level_words};
 import package::volume::changes::list::NOTHING;
-import package::volume::parts::PARTS;
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(3) var cells_out: texture_storage_3d<rgba16float, write>;
@@ -20,7 +19,7 @@ fn six_lobes(
         return;
     }
     let cell = morton_decode(changed.morton);
-    for (var part = 0u; part < PARTS; part++) {
+    for (var part = 0u; part < CELL_PARTS; part++) {
         textureStore(cells_out, part_texel(cell, part, level_words.level), vec4f(0.0));
     }
 }

@@ -1,13 +1,13 @@
 // The masks of renewed nodes (the parts that look-ups into their bricks can contain), and the
 // number of runs of bricks of each length that are needed and released.
 
-import package::constants::{LINEAR_WORKGROUP_SIZE, RUN_KINDS};
+import package::constants::{CELL_PARTS, LINEAR_WORKGROUP_SIZE, RUN_KINDS};
 import package::gpu::dispatch::linear_index;
 import package::volume::octree::cell_ranks::{cell_rank, NO_CELL};
 import package::volume::octree::renewals::{needed_bricks, returned_bricks, Renewal};
 import package::volume::octree::search::{find_node, node_parts, octree};
 import package::volume::octree::tree::{corner_of, node_word, tree, with_all_parts, NODE_FIRST_BRICK};
-import package::volume::parts::{stored_parts, PARTS};
+import package::volume::parts::stored_parts;
 import package::voxels::list::Node;
 import package::voxels::morton::morton_decode;
 
@@ -71,7 +71,7 @@ fn main(
         }
         let returned = returned_bricks(renewal);
         if returned > 0u {
-            atomicAdd(&runs[PARTS + returned - 1u], 1u);
+            atomicAdd(&runs[CELL_PARTS + returned - 1u], 1u);
         }
     }
     workgroupBarrier();

@@ -63,6 +63,7 @@ pub(super) fn add_constants(library: &mut ShaderLibrary) {
     library
         .constant_u32("NODE_LEVELS", layout::NODE_LEVELS as u32)
         .constant_u32("NODE_WORDS", layout::NODE_WORDS)
+        .constant_u32("BRICK_TEXELS", tree::BRICK_TEXELS)
         .constant_u32("RUN_KINDS", tree::RUN_KINDS as u32)
         .constant_u32("NO_ROOM_FOR_PLACES", NO_ROOM_FOR_PLACES)
         .constant_u32("NO_ROOM_FOR_RENEWALS", NO_ROOM_FOR_RENEWALS)
@@ -141,7 +142,7 @@ impl OctreeVolume {
         let builder = building.map(|building| building.make(&parts)).transpose()?;
         let has_pointers = follow_kernels.has_pointers();
         // The size is checked once there are voxels.
-        let tree = Tree::new(device, (grid, &layout), Room::NONE, has_pointers, None)?;
+        let tree = Tree::new(device, (grid, &layout), Room::MINIMUM, has_pointers, None)?;
         let around = (&grid_uniform, &sampler, emitters);
         let globals = bind_globals(device, &globals_layout, &tree, around);
         let missed_globals = BindGroupBuilder::new(follow_kernels.tree_layout())

@@ -5,13 +5,12 @@
 // assigned in the order of ranks, so that a sequence of lists leads to the same places in every
 // run.
 
-import package::constants::{LINEAR_WORKGROUP_SIZE, RUN_KINDS};
+import package::constants::{CELL_PARTS, LINEAR_WORKGROUP_SIZE, RUN_KINDS};
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::volume::octree::renewals::{needed_bricks, returned_bricks, Renewal};
 import package::volume::octree::tree::{table_entry, tree};
 import package::volume::octree::verdict::Verdict;
-import package::volume::parts::PARTS;
 import package::voxels::morton::morton_decode;
 
 @group(1) @binding(0) var<uniform> verdict: Verdict;
@@ -67,7 +66,7 @@ fn take(
     }
     // Runs assigned to the nodes before this one.
     var before: array<u32, 10>;
-    for (var i = 1u; i <= PARTS; i++) {
+    for (var i = 1u; i <= CELL_PARTS; i++) {
         before[i] = runs_before(i - 1u, index / LINEAR_WORKGROUP_SIZE);
     }
     for (var i = 0u; i < local; i++) {
@@ -79,7 +78,7 @@ fn take(
         return;
     }
     var first = verdict.first_place;
-    for (var i = 1u; i <= PARTS; i++) {
+    for (var i = 1u; i <= CELL_PARTS; i++) {
         first += i * (before[i] - min(before[i], free_before(i)));
     }
     renewals[index].first_brick = first;
@@ -110,7 +109,7 @@ fn give_back(
     if length == 0u {
         return;
     }
-    var before = runs_before(PARTS + length - 1u, index / LINEAR_WORKGROUP_SIZE);
+    var before = runs_before(CELL_PARTS + length - 1u, index / LINEAR_WORKGROUP_SIZE);
     for (var i = 0u; i < local; i++) {
         before += select(0u, 1u, lengths[i] == length);
     }

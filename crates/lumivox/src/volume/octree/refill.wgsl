@@ -2,7 +2,7 @@
 // the cell's values if the brick is new, and writes zeros until the next light update if the cell
 // has changed.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{BRICK_TEXELS, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::volume::octree::renewals::Renewal;
@@ -20,19 +20,17 @@ import package::voxels::morton::{morton_decode, morton_encode};
 @group(1) @binding(3) var<storage, read> values: array<vec2u>;
 @group(1) @binding(4) var atlas_out: texture_storage_3d<rgba16float, write>;
 
-const TEXELS: u32 = 27u;
-
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn main(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let thread = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u || thread / TEXELS >= verdict.renewals {
+    if verdict.no_room != 0u || thread / BRICK_TEXELS >= verdict.renewals {
         return;
     }
-    let renewal = renewals[thread / TEXELS];
-    let texel = thread % TEXELS;
+    let renewal = renewals[thread / BRICK_TEXELS];
+    let texel = thread % BRICK_TEXELS;
     let offset = vec3u(texel % 3u, (texel / 3u) % 3u, texel / 9u);
     let cell = 2u * morton_decode(renewal.morton) + offset;
     let level = renewal.level - 1u;

@@ -10,17 +10,17 @@ use crate::gpu::{
     Texture, TextureView, uniform_buffer,
 };
 use crate::gpu::{Memory, Remedy};
-use crate::volume::{CELL_FORMAT, budget};
+use crate::volume::{CELL_FORMAT, CELL_PARTS, budget};
 use crate::{GiError, Grid};
 
 /// Texels of a brick.
-pub(super) const BRICK_TEXELS: u64 = 27;
+pub(super) const BRICK_TEXELS: u32 = 27;
 /// Size of a texel and of a value: four half floats.
 const TEXEL_BYTES: u64 = 8;
 /// Values per brick.
 const BRICK_VALUES: u64 = 8;
 /// The longest run of bricks: one for each part of a cell.
-pub(super) const MAX_RUN: u64 = 9;
+pub(super) const MAX_RUN: u64 = CELL_PARTS as u64;
 /// Kinds of runs: of each length, needed and released.
 pub(super) const RUN_KINDS: u64 = 2 * MAX_RUN;
 /// Bytes of `Renewal` of `renewals.wgsl`.
@@ -38,7 +38,7 @@ pub(super) struct Room {
 
 impl Room {
     /// Minimum capacities.
-    pub const NONE: Self = Self { slots: 8, renewals: 1, bricks: 1 };
+    pub const MINIMUM: Self = Self { slots: 8, renewals: 1, bricks: 1 };
 
     /// The start of the stack of free runs of a length; `stack_start` of `places.wgsl`.
     fn stack_start(self, length: u64) -> u64 {
@@ -261,6 +261,10 @@ impl Resettler {
             .view(&old.atlas)
             .view(&new.atlas)
             .build(&device, "volume::octree::resettle");
-        self.kernel.run_linear(recorder, &[&globals, &group], old.room.bricks * BRICK_TEXELS);
+        self.kernel.run_linear(
+            recorder,
+            &[&globals, &group],
+            old.room.bricks * u64::from(BRICK_TEXELS),
+        );
     }
 }

@@ -4,10 +4,12 @@
 // On overflow nothing of the octree is written: it keeps showing the earlier list until it has
 // grown.
 
-import package::constants::{LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS, NO_ROOM_FOR_BRICKS, NO_ROOM_FOR_PLACES, NO_ROOM_FOR_RENEWALS, RUN_KINDS};
+import package::constants::{
+    CELL_PARTS, LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS, NO_ROOM_FOR_BRICKS, NO_ROOM_FOR_PLACES,
+    NO_ROOM_FOR_RENEWALS, RUN_KINDS,
+};
 import package::volume::octree::renewals::Renewal;
 import package::volume::octree::tree::tree;
-import package::volume::parts::PARTS;
 
 // Arrays are indexed by the length of a run, 1 to 9; element 0 is not used.
 struct Verdict {
@@ -72,10 +74,10 @@ fn main() {
     let blocks = (arrayLength(&run_starts) - 1u) / RUN_KINDS;
     var free = places.free;
     var idle = 0u;
-    for (var length = 1u; length <= PARTS; length++) {
+    for (var length = 1u; length <= CELL_PARTS; length++) {
         let kind = length - 1u;
         let needed = run_starts[(kind + 1u) * blocks] - run_starts[kind * blocks];
-        let returned = run_starts[(kind + PARTS + 1u) * blocks] - run_starts[(kind + PARTS) * blocks];
+        let returned = run_starts[(kind + CELL_PARTS + 1u) * blocks] - run_starts[(kind + CELL_PARTS) * blocks];
         now.free[length / 4u][length % 4u] = free[length];
         now.needed[length / 4u][length % 4u] = needed;
         // Released runs are free from the next list on: until then their values are still read.

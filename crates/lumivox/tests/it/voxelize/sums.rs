@@ -9,9 +9,6 @@ use crate::voxelize::scenes::unit_grid;
 use crate::voxelize::scenes::{Mesh, Random};
 use crate::voxelize::twin::{self, in_grid};
 
-/// `PARTED` of `voxels/list.wgsl`.
-const PARTED: u32 = 4;
-
 /// Positions are rounded by up to 64 * 2^-24 voxels, and a piece's boundary, a few voxels long,
 /// moves with them; the sums' own rounding is far below.
 const TOLERANCE: f64 = 5e-5;
@@ -51,7 +48,8 @@ fn compare(
         }
         // Positions are those of what no other face hides, on the side of other surface on which
         // most is.
-        let is_seen = (double_sided && faces.iter().all(|face| face.flags & PARTED == 0))
+        let is_seen = (double_sided
+            && faces.iter().all(|face| face.flags & FaceRecord::PARTED == 0))
             || in_voxel[&key.0] == 1;
         if own.weight > 0.01 && own.weight < 1.0 && is_seen {
             let moment = |face: &&FaceRecord| {
