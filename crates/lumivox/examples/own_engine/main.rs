@@ -28,7 +28,7 @@ const FRAMES: u32 = 120;
 /// The last of them, in which nothing moves: their mean is the picture that is saved.
 const STILL_FRAMES: u32 = 16;
 /// Frames in which buffers may still grow.
-const FIRST_FRAMES: u32 = 20;
+const GROWTH_FRAMES: u32 = 20;
 /// The faces that gather in a frame, of some 20 000.
 const FACES_PER_FRAME: u32 = 5000;
 
@@ -75,7 +75,7 @@ impl Report {
     fn text(&self) -> String {
         let mut text = format!(
             "{FRAMES} frames: {:.1} ms each, of which recording {:.1} ms; {} buffers, textures and bind groups made after \
-             the first {FIRST_FRAMES}\n",
+             the first {GROWTH_FRAMES}\n",
             self.frame_ms, self.recording_ms, self.made
         );
         for (stage, ms) in self.by_stage() {
@@ -181,7 +181,7 @@ async fn render() -> Result<(Vec<u8>, Report), Failure> {
         drop(recorder);
         queue.submit([encoder.finish()]);
         recording += frame_start.elapsed().as_secs_f64();
-        if frame == FIRST_FRAMES {
+        if frame == GROWTH_FRAMES {
             made = MadeResources::now();
         }
     }

@@ -14,7 +14,7 @@ struct Cover {
 }
 
 // Rounding error that is allowed for, in voxels.
-const MARGIN = 1.0 / 1024.0;
+const ROUNDING = 1.0 / 1024.0;
 
 // Half the side of a square of the mask.
 const HALF_SQUARE = 0.0625;
@@ -40,8 +40,8 @@ fn reach(extent: ptr<function, Extent>, uv: vec2f, is_there: bool) {
 fn reach_edge(extent: ptr<function, Extent>, a: vec3f, b: vec3f) {
     let along = b - a;
     let inverse = 1.0 / select(along, vec3f(1e-20), abs(along) < vec3f(1e-20));
-    let t0 = (vec3f(-MARGIN) - a) * inverse;
-    let t1 = (vec3f(1.0 + MARGIN) - a) * inverse;
+    let t0 = (vec3f(-ROUNDING) - a) * inverse;
+    let t1 = (vec3f(1.0 + ROUNDING) - a) * inverse;
     let enter = min(t0, t1);
     let leave = max(t0, t1);
     let first = max(max(enter.x, enter.y), max(enter.z, 0.0));
@@ -73,7 +73,7 @@ fn reach_of(start: vec2f, end: vec2f) -> f32 {
 // Whether a square around a point, with `half` of its side length, may touch the triangle.
 fn touches_square(own: Own, p: vec2f, half: f32) -> bool {
     let height = own.a.z + dot(own.slope, p - own.a.xy);
-    let rise = half * (abs(own.slope.x) + abs(own.slope.y)) + MARGIN;
+    let rise = half * (abs(own.slope.x) + abs(own.slope.y)) + ROUNDING;
     return inside_of(p, own.a.xy, own.b.xy, own.side) >= -half * reach_of(own.a.xy, own.b.xy)
         && inside_of(p, own.b.xy, own.c.xy, own.side) >= -half * reach_of(own.b.xy, own.c.xy)
         && inside_of(p, own.c.xy, own.a.xy, own.side) >= -half * reach_of(own.c.xy, own.a.xy)
@@ -84,15 +84,15 @@ fn touches_square(own: Own, p: vec2f, half: f32) -> bool {
 fn reach_inside(extent: ptr<function, Extent>, own: Own) {
     for (var i = 0u; i < 4u; i++) {
         let low = vec2f(f32(i & 1u), f32(i >> 1u));
-        reach(extent, low, touches_square(own, low, MARGIN));
+        reach(extent, low, touches_square(own, low, ROUNDING));
         // The edges along u and along v.
         let rest = low.y - own.a.z;
         let u = own.a.x + (rest - own.slope.y * (low.x - own.a.y))
             / select(own.slope.x, 1e-20, abs(own.slope.x) < 1e-20);
         let v = own.a.y + (rest - own.slope.x * (low.x - own.a.x))
             / select(own.slope.y, 1e-20, abs(own.slope.y) < 1e-20);
-        reach(extent, vec2f(u, low.x), u >= 0.0 && u <= 1.0 && touches_square(own, vec2f(u, low.x), MARGIN));
-        reach(extent, vec2f(low.x, v), v >= 0.0 && v <= 1.0 && touches_square(own, vec2f(low.x, v), MARGIN));
+        reach(extent, vec2f(u, low.x), u >= 0.0 && u <= 1.0 && touches_square(own, vec2f(u, low.x), ROUNDING));
+        reach(extent, vec2f(low.x, v), v >= 0.0 && v <= 1.0 && touches_square(own, vec2f(low.x, v), ROUNDING));
     }
 }
 
@@ -113,8 +113,8 @@ fn cover_of(walk: ptr<function, Walk>, centroid: vec3f) -> Cover {
     reach_edge(&extent, own.c, own.a);
     reach_inside(&extent, own);
 
-    let first = vec4u(clamp(floor(32.0 * (extent.low - MARGIN)), vec4f(0.0), vec4f(31.0)));
-    let last = vec4u(clamp(floor(32.0 * (extent.high + MARGIN)), vec4f(0.0), vec4f(31.0)));
+    let first = vec4u(clamp(floor(32.0 * (extent.low - ROUNDING)), vec4f(0.0), vec4f(31.0)));
+    let last = vec4u(clamp(floor(32.0 * (extent.high + ROUNDING)), vec4f(0.0), vec4f(31.0)));
     var cover = Cover(vec2u(0u), vec4u(
         bits_between(first.x, last.x),
         bits_between(first.y, last.y),

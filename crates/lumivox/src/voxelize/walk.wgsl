@@ -19,7 +19,7 @@ import package::voxelize::triangles::{Triangle, draws, load_triangle};
 const ROUNDING = 1.0 / 2097152.0;
 
 // Farther than any voxel, but `f32` still represents every integer up to it.
-const FARTHEST = 8388608.0;
+const BEYOND_VOXELS = 8388608.0;
 
 // An interval test (Akenine-Möller 2001, "Fast 3D triangle-box overlap testing", section 2) along
 // the normal m of a triangle's edge in a projection: a unit square with its centre at p does not
@@ -137,7 +137,7 @@ fn walk_begin(item: Item) -> Walk {
     let depth = a.z + dot(walk.slope, middle - a.xy);
     // With cascades, independent of the position of the box.
     let held = vec2f(vec2i(area.first.z, area.last.z));
-    let range = select(held, FARTHEST * vec2f(-1.0, 1.0), CASCADES > 0u);
+    let range = select(held, BEYOND_VOXELS * vec2f(-1.0, 1.0), CASCADES > 0u);
     walk.base = vec3i(corner, i32(clamp(depth, range.x, range.y)));
     walk.a = a - vec3f(walk.base);
     walk.b = b - vec3f(walk.base);

@@ -3,7 +3,7 @@
 
 // A surface is hit up to this far beyond its voxel, in voxels, so that rounding leaves no gap
 // between neighbours.
-const TOLERANCE = 0.01;
+const OVERHANG = 0.01;
 
 // The two components across an axis, in cyclic order.
 fn across(v: vec3f, axis: u32) -> vec2f {
@@ -17,6 +17,6 @@ fn is_covered(at: vec2f, mask: vec2u, profiles: vec4u) -> bool {
     let is_in_mask = (mask[square.y / 4u] >> (8u * (square.y % 4u) + square.x)) & 1u;
     let along = vec4f(uv, 0.5 * (uv.x + uv.y), 0.5 * (uv.x - uv.y) + 0.5);
     let bits = (profiles >> vec4u(min(32.0 * along, vec4f(31.0)))) & vec4u(1u);
-    let is_near = all(abs(at - uv) <= vec2f(TOLERANCE));
+    let is_near = all(abs(at - uv) <= vec2f(OVERHANG));
     return is_near && (is_in_mask & bits.x & bits.y & bits.z & bits.w) != 0u;
 }

@@ -24,8 +24,8 @@ const BACKGROUND: Vec3 = Vec3::new(0.01, 0.01, 0.012);
 /// Brightness of a cube's sides along x, y and z, so that its shape is visible.
 const SIDES: Vec3 = Vec3::new(0.72, 1.0, 0.86);
 /// Width of the outline of a cube's sides, as a share of its edge, and its brightness factor.
-const OUTLINE_WIDTH: f64 = 0.05;
-const OUTLINE_LIGHT: f32 = 0.6;
+const EDGE_WIDTH: f64 = 0.05;
+const EDGE_LIGHT: f32 = 0.6;
 /// Rays along each edge of a pixel.
 const RAYS: u32 = 2;
 
@@ -80,11 +80,11 @@ fn outline(hit: &Hit, pixel_slope: f64) -> f32 {
     let mut to_edge = from_corner.min(1.0 - from_corner);
     to_edge[hit.axis] = 1.0;
     let pixel = hit.distance * pixel_slope;
-    if to_edge.min_element() >= OUTLINE_WIDTH.max(0.5 * pixel) {
+    if to_edge.min_element() >= EDGE_WIDTH.max(0.5 * pixel) {
         return 1.0;
     }
     let strength = (1.5 - 5.0 * pixel).clamp(0.0, 1.0) as f32;
-    1.0 + strength * (OUTLINE_LIGHT - 1.0)
+    1.0 + strength * (EDGE_LIGHT - 1.0)
 }
 
 /// The rays of a camera's pixels, in grid space.
