@@ -1,6 +1,7 @@
 //! The library's errors, typed, with the remedy in the message.
 
-use crate::gpu::ShaderError;
+use lumivox_wgsl::ShaderError;
+
 use crate::settings::SettingError;
 
 /// An error of the library. Every message says what was requested, what prevents it and what would

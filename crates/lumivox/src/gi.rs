@@ -155,6 +155,7 @@ impl Gi {
             refuse_with_cascades("injection", config.injection.is_some())?;
         }
         let cone_values = config.cones.as_ref().map_or([0.0; 4], |model| model.values());
+        crate::cones::mount(&mut shaders, config.cones.is_some());
         let mut volume = Volume::new(
             device,
             &mut shaders,
@@ -172,7 +173,14 @@ impl Gi {
         let lights_layout = lights_layout(device, config.shadow_maps.as_ref());
         let gbuffer_layout = gbuffer_layout(device, config.gbuffer.as_ref());
         let globals = volume.globals_layout();
-        let lighting = Lighting::new(device, &shaders, &config, globals, &lights_layout)?;
+        let lighting = Lighting::new(
+            device,
+            &shaders,
+            &config.grid,
+            (config.injection.as_deref(), config.cones.is_some()),
+            globals,
+            &lights_layout,
+        )?;
         let tracer = Tracer::new(device, &shaders, globals, &lights_layout, &gbuffer_layout)?;
         Ok(Self {
             device: device.clone(),

@@ -1,18 +1,12 @@
 //! The shader modules of this crate.
 
-use crate::gpu::ShaderLibrary;
+use crate::gpu::{MODULES, ShaderLibrary};
 use crate::{Directionality, VolumeKind};
-
-/// The modules, resolved by `build.rs`.
-#[allow(clippy::all, clippy::pedantic)]
-mod built {
-    include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
-}
 
 /// All shader modules of this crate except `package::volume`, which [`crate::Gi::shaders`] adds.
 pub fn library() -> ShaderLibrary {
     let mut library = ShaderLibrary::default();
-    library.add_built(built::MODULES);
+    library.add_built(MODULES);
     crate::gpu::add_constants(&mut library);
     crate::voxelize::add_constants(&mut library);
     crate::voxels::add_constants(&mut library);
@@ -33,10 +27,4 @@ pub fn library_with_volume(kind: VolumeKind, directionality: Directionality) -> 
     let mut library = library();
     crate::volume::mount(&mut library, kind, directionality);
     library
-}
-
-/// The implementation of a slot in the file with that path (`build.rs` lists them).
-pub(crate) fn implementation(path: &str) -> &'static lumivox_wgsl::Module {
-    let found = built::IMPLEMENTATIONS.iter().find(|(name, _)| *name == path);
-    &found.unwrap_or_else(|| panic!("build.rs lists no {path}")).1
 }

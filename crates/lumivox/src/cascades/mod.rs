@@ -47,7 +47,7 @@ pub(crate) use walked::Walked;
 use glam::{IVec3, UVec3, Vec3};
 
 use crate::gpu::ShaderLibrary;
-use crate::{Directionality, GiError, Grid, VolumeKind, dense_volume_bytes};
+use crate::{GiError, Grid};
 
 /// Maximum number of cascades.
 pub const MAX_CASCADES: usize = 16;
@@ -83,15 +83,6 @@ impl CascadeOptions {
     /// The edge of the outermost cascade, m. Voxels provide light up to half of it.
     pub fn reach_m(&self) -> f32 {
         self.resolution as f32 * self.voxel_size_m * 2.0_f32.powi(self.count as i32 - 1)
-    }
-
-    /// GPU memory of the volume in bytes, computed without creating it.
-    ///
-    /// # Errors
-    /// As [`Grid::cascades`].
-    pub fn bytes(&self, directionality: Directionality) -> Result<u64, GiError> {
-        let grid = Grid::cascades(Vec3::ZERO, self, Vec3::ZERO)?;
-        Ok(dense_volume_bytes(&grid, directionality))
     }
 
     fn check(&self) -> Result<(), GiError> {
@@ -293,17 +284,4 @@ pub(crate) fn add_constants(shaders: &mut ShaderLibrary, cascades: Option<&Casca
         .constant_u32("CASCADE_EDGE", cascades.map_or(1, |cascades| cascades.resolution))
         .constant_u32("CASCADE_COLUMNS", blocks.x)
         .constant_u32("CASCADE_ROWS", blocks.y);
-}
-
-/// Checks that the kind of volume matches the grid.
-pub(crate) fn check(grid: &Grid, kind: VolumeKind) -> Result<(), GiError> {
-    if (kind == VolumeKind::Cascades) == grid.cascades.is_some() {
-        return Ok(());
-    }
-    Err(GiError::Setting {
-        name: "volume",
-        value: format!("{kind:?}"),
-        expected: "Cascades for a grid made by Grid::cascades, and Dense or Octree for any other"
-            .to_owned(),
-    })
 }

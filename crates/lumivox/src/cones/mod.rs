@@ -39,7 +39,7 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, marches: bool) {
         ["cones::exact", "light::gather_rays", "trace::near_and_far"]
     };
     for way in ways {
-        shaders.fill(crate::shaders::implementation(way));
+        shaders.fill(crate::gpu::implementation(way));
     }
 }
 

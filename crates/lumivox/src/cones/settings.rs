@@ -1,7 +1,7 @@
 //! Settings of the cones, in one type: units, ranges, and neutral defaults.
 
 use crate::GiError;
-use crate::settings::{self, Choice, Choices as _, Kind, Redoes, Setting, Value};
+use crate::settings::{self, Choice, Choices, Kind, Redoes, Setting, Value};
 
 /// Quality against cost of the cones. All presets obey the same physics; they differ in noise and
 /// sharpness.
@@ -27,6 +27,14 @@ pub enum TraceResolution {
     /// One pixel of each 2x2 block, a different one in every frame; the rest by depth- and
     /// normal-aware upsampling.
     Half,
+}
+
+impl Choices for TraceResolution {
+    const VALUES: &'static [Self] = &[Self::Full, Self::Half];
+    const CHOICES: &'static [Choice] = &[
+        Choice::new("full", "cones from every pixel"),
+        Choice::new("half", "cones from one pixel of each 2x2 block"),
+    ];
 }
 
 impl TraceResolution {

@@ -31,7 +31,7 @@ use crate::volume::Volume;
 use crate::volume::changes::{Changes, Shown};
 use crate::voxelize::Collected;
 use crate::voxels::VoxelList;
-use crate::{GiConfig, GiError, Grid};
+use crate::{GiError, Grid};
 
 use faces::{Faces, LightKernels};
 use turns::{Turn, Turns};
@@ -139,26 +139,19 @@ impl Lighting {
     pub(crate) fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
-        config: &GiConfig,
+        grid: &Grid,
+        (injection, marches): (Option<&dyn Injection>, bool),
         globals: &wgpu::BindGroupLayout,
         lights: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
         // Without the volume: its buffers would exceed the limit together with the kernels' own.
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
-        let grid = BindGroupBuilder::new(&grid_layout)
-            .buffer(&config.grid.uniform(device))
-            .build(device, "grid");
-        let kernels = LightKernels::new(
-            device,
-            shaders,
-            &grid_layout,
-            [globals, lights],
-            config.cones.is_some(),
-        )?;
-        let direct = match &config.injection {
+        let grid_group =
+            BindGroupBuilder::new(&grid_layout).buffer(&grid.uniform(device)).build(device, "grid");
+        let kernels = LightKernels::new(device, shaders, &grid_layout, [globals, lights], marches)?;
+        let direct = match injection {
             None => Direct::Faces(kernels.direct(device, shaders, [globals, lights])?),
             Some(injection) => {
-                let grid = &config.grid;
                 let parts = InjectionParts { device, shaders, grid, globals, lights };
                 Direct::Own(injection.make(&parts)?)
             }
@@ -167,10 +160,10 @@ impl Lighting {
         Ok(Self {
             direct,
             kernels,
-            grid,
+            grid: grid_group,
             settings: Staged::new(device, "bounce settings", bytes),
             faces: None,
-            turns: Turns::new(&config.grid),
+            turns: Turns::new(grid),
             has_emission: false,
             is_lit: false,
             has_moved: false,

@@ -16,8 +16,9 @@ mod octree;
 mod surface;
 
 use crate::gpu::{BindGroup, Buffer, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
+use crate::settings::{Choice, Choices};
 use crate::voxels::VoxelList;
-use crate::{Cascades, GiError, Grid};
+use crate::{CascadeOptions, Cascades, GiError, Grid};
 
 use changes::ChangedCells;
 use dense::DenseVolume;
@@ -70,9 +71,41 @@ pub enum Directionality {
     Isotropic,
 }
 
+impl Choices for Directionality {
+    const VALUES: &'static [Self] = &[Self::SixLobes, Self::Isotropic];
+    const CHOICES: &'static [Choice] = &[
+        Choice::new("six_lobes", "a radiance for each of six directions"),
+        Choice::new("isotropic", "one radiance a voxel"),
+    ];
+}
+
 /// GPU memory of a dense volume in bytes, computed without creating it.
 pub fn dense_volume_bytes(grid: &Grid, directionality: Directionality) -> u64 {
     dense::bytes(grid, directionality)
+}
+
+impl CascadeOptions {
+    /// GPU memory of the volume in bytes, computed without creating it.
+    ///
+    /// # Errors
+    /// As [`Grid::cascades`].
+    pub fn bytes(&self, directionality: Directionality) -> Result<u64, GiError> {
+        let grid = Grid::cascades(glam::Vec3::ZERO, self, glam::Vec3::ZERO)?;
+        Ok(dense_volume_bytes(&grid, directionality))
+    }
+}
+
+/// Checks that the kind of volume matches the grid.
+fn check(grid: &Grid, kind: VolumeKind) -> Result<(), GiError> {
+    if (kind == VolumeKind::Cascades) == grid.cascades.is_some() {
+        return Ok(());
+    }
+    Err(GiError::Setting {
+        name: "volume",
+        value: format!("{kind:?}"),
+        expected: "Cascades for a grid made by Grid::cascades, and Dense or Octree for any other"
+            .to_owned(),
+    })
 }
 
 /// Defines the constants that Rust and the shaders of volumes share.
@@ -96,8 +129,8 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
         VolumeKind::Octree(_) => "volume::octree::cells",
     };
     shaders
-        .fill(crate::shaders::implementation(volume))
-        .fill(crate::shaders::implementation(cells))
+        .fill(crate::gpu::implementation(volume))
+        .fill(crate::gpu::implementation(cells))
         .constant_u32("ISOTROPIC", u32::from(directionality == Directionality::Isotropic))
         // Placeholder until there is a grid.
         .constant_u32("OCTREE_STEPS", 0);
@@ -161,10 +194,9 @@ impl Volume {
         (budget, marches, has_cells): (Option<u64>, bool, bool),
         emitters: &Buffer,
     ) -> Result<Self, GiError> {
-        crate::cascades::check(grid, kind)?;
+        check(grid, kind)?;
         mount(shaders, kind, directionality);
         crate::cascades::add_constants(shaders, grid.cascades.as_ref());
-        crate::cones::mount(shaders, marches);
         let cells = has_cells.then(|| match kind {
             VolumeKind::Dense | VolumeKind::Cascades => {
                 DenseVolume::new(device, shaders, grid, (directionality, budget), emitters)

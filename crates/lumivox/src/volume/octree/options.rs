@@ -1,5 +1,7 @@
 //! Options and statistics of an octree.
 
+use crate::settings::{Choice, Choices};
+
 /// How an octree is built: the defaults, and published alternatives for comparison. All give the
 /// same light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -31,6 +33,23 @@ pub enum Mipmapping {
     Occupied,
     /// All possible cells, most of which are empty.
     Every,
+}
+
+impl Choices for Duplication {
+    const VALUES: &'static [Self] = &[Self::Table, Self::Pointers, Self::Search];
+    const CHOICES: &'static [Choice] = &[
+        Choice::new("table", "by a search from the table of nodes on"),
+        Choice::new("pointers", "by pointers from node to node, 12 bytes a node"),
+        Choice::new("search", "by a search from the root for each"),
+    ];
+}
+
+impl Choices for Mipmapping {
+    const VALUES: &'static [Self] = &[Self::Occupied, Self::Every];
+    const CHOICES: &'static [Choice] = &[
+        Choice::new("occupied", "only occupied cells"),
+        Choice::new("every", "all possible cells, most of them empty"),
+    ];
 }
 
 /// Statistics of an octree from the latest read-back: exact after [`crate::Gi::voxelize`], a few
