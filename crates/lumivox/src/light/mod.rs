@@ -82,8 +82,8 @@ pub(crate) enum Budget {
     /// All light from darkness: direct light, then a gather for each bounce except the last, which
     /// pixels do.
     Bounces(u32),
-    /// One gather of at most this number of faces, which continues from the light so far. `None`: all
-    /// faces; with cascades, those of coarse ones less often.
+    /// One gather of at most this number of faces, which continues from the light so far. `None`:
+    /// all faces; with cascades, those of coarse ones less often.
     Faces(Option<u32>),
 }
 

@@ -111,8 +111,8 @@ impl Turns {
         self.is_list_new = true;
     }
 
-    /// The work of lighting everything from darkness with this number of bounces; `lights` is the version
-    /// of the lights. Later frames continue from there.
+    /// The work of lighting everything from darkness with this number of bounces; `lights` is the
+    /// version of the lights. Later frames continue from there.
     pub fn from_darkness(&mut self, lights: u64, bounces: u32) -> Turn {
         let gathers = bounces.saturating_sub(1);
         self.lights = Some(lights);

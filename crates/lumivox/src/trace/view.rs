@@ -138,8 +138,8 @@ impl GiView {
     }
 
     /// The matrix of the last frame, with the jitter of the next one: for the motion of
-    /// surfaces ([`GBufferViews::motion`](crate::GBufferViews::motion)). Before the first frame, and
-    /// after [`Self::forget`], that of the next frame.
+    /// surfaces ([`GBufferViews::motion`](crate::GBufferViews::motion)). Before the first frame,
+    /// and after [`Self::forget`], that of the next frame.
     pub fn previous_clip_from_world(&self) -> Mat4 {
         self.jittered(self.previous.unwrap_or(self.camera.clip_from_world))
     }
