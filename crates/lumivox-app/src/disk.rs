@@ -9,7 +9,7 @@ use lumivox_scene::{builtin, extensions_in_words, write_atomically};
 
 use crate::args::output;
 use crate::args::scene::{self, within};
-use crate::commands::light;
+use crate::light;
 
 /// The console's access to the disk.
 #[derive(Clone, Copy, Debug)]

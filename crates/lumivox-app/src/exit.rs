@@ -5,15 +5,13 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use lumivox::GiError;
+use lumivox_console::values::Refused;
 use lumivox_console::{Blame, Failure, shown};
 use lumivox_explorer::ExplorerError;
 use lumivox_render::RenderError;
 use lumivox_render::compare::CompareError;
 use lumivox_render::reference::PartError;
 use lumivox_scene::SceneError;
-
-use crate::args::Refused;
-use crate::host::Host;
 
 /// The exit codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -172,21 +170,6 @@ fn of_gi_error(error: &GiError) -> Exit {
     }
 }
 
-/// Prints an error of the command line, or the requested help.
-pub fn with_clap(error: &clap::Error, host: &Host) -> Exit {
-    // Help into a closed pipe is not worth a message.
-    let _ = match (host.is_embedded(), error.use_stderr()) {
-        // With colours if the terminal has them.
-        (false, _) => error.print().map_err(Into::into),
-        (true, true) => {
-            host.complain(&error.render().to_string());
-            Ok(())
-        }
-        (true, false) => host.print(&error.render().to_string()),
-    };
-    of_clap(error)
-}
-
 /// The exit code of an error of the command line, or of a request for help.
 pub fn of_clap(error: &clap::Error) -> Exit {
     let refused = std::error::Error::source(error).and_then(|e| e.downcast_ref::<Refused>());
@@ -197,11 +180,10 @@ pub fn of_clap(error: &clap::Error) -> Exit {
     }
 }
 
-/// Prints an error, then its causes, one per line.
-pub fn with_error(error: &anyhow::Error, host: &Host) -> Exit {
-    let code = of_error(error);
+/// The message for an error: one line, then one for each cause.
+pub fn message(error: &anyhow::Error) -> String {
     // A stop by the user is not an error.
-    let start = if code == Exit::Stopped { "" } else { "error: " };
+    let start = if of_error(error) == Exit::Stopped { "" } else { "error: " };
     let mut text = String::new();
     let mut said = String::new();
     for cause in error.chain() {
@@ -214,8 +196,7 @@ pub fn with_error(error: &anyhow::Error, host: &Host) -> Exit {
         }
         said = line;
     }
-    host.complain(&text);
-    code
+    text
 }
 
 fn one_line(text: &str) -> String {

@@ -13,9 +13,7 @@ use lumivox_console::{Failure, shown};
 use lumivox_render::{Gpu, GpuOptions, RenderError};
 use serde::Serialize;
 
-use crate::cli::GpuArgs;
-
-use crate::exit::Exit;
+use crate::exit::{self, Exit};
 
 /// The streams, bars and GPU of a run. Clones share them.
 #[derive(Clone)]
@@ -173,15 +171,35 @@ impl Host {
         Ok(line)
     }
 
-    /// Opens the GPU that the command line selects.
+    /// Prints an error and its causes; returns the exit code.
+    pub(crate) fn report(&self, error: &anyhow::Error) -> Exit {
+        self.complain(&exit::message(error));
+        exit::of_error(error)
+    }
+
+    /// Prints an error of the command line, or the requested help; returns the exit code.
+    pub(crate) fn report_usage(&self, error: &clap::Error) -> Exit {
+        // Help into a closed pipe is not worth a message.
+        let _ = match (self.is_embedded(), error.use_stderr()) {
+            // With colours if the terminal has them.
+            (false, _) => error.print().map_err(Into::into),
+            (true, true) => {
+                self.complain(&error.render().to_string());
+                Ok(())
+            }
+            (true, false) => self.print(&error.render().to_string()),
+        };
+        exit::of_clap(error)
+    }
+
+    /// Opens a GPU.
     ///
     /// # Errors
     /// As [`Gpu::new`].
-    pub(crate) fn open_gpu(&self, args: &GpuArgs) -> Result<Gpu, RenderError> {
-        let options = args.options();
+    pub(crate) fn open_gpu(&self, options: &GpuOptions) -> Result<Gpu, RenderError> {
         let gpu = match &self.embedded {
-            Some(shared) => (shared.open_gpu)(&options)?,
-            None => pollster::block_on(Gpu::new(&options))?,
+            Some(shared) => (shared.open_gpu)(options)?,
+            None => pollster::block_on(Gpu::new(options))?,
         };
         tracing::info!("running on {}", lumivox_render::describe(&gpu.adapter_info));
         Ok(gpu)

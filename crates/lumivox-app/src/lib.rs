@@ -36,6 +36,7 @@ mod commands;
 mod disk;
 mod exit;
 mod host;
+mod light;
 mod lock;
 mod log;
 mod opening;
@@ -47,6 +48,7 @@ mod prompt;
 mod prompt;
 mod quality;
 mod sequence;
+mod settings;
 mod timeline;
 #[cfg(feature = "window")]
 mod window;
@@ -71,7 +73,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
             // them: escape them.
             let shown = args.iter().map(|arg| shown::line(&arg.to_string_lossy()).into_owned());
             let error = Cli::try_parse_from(shown).err().unwrap_or(error);
-            return exit::with_clap(&error, host);
+            return host.report_usage(&error);
         }
     };
     let tells_warnings = matches!(cli.command, Some(Command::Info(_)));
@@ -99,6 +101,6 @@ pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
     };
     match done {
         Ok(()) => Exit::Ok,
-        Err(error) => exit::with_error(&error, host),
+        Err(error) => host.report(&error),
     }
 }

@@ -4,7 +4,7 @@ use lumivox_console::{OpenedScene, SceneRequest, SceneSource};
 
 use crate::args::scene;
 use crate::cli::ExploreArgs;
-use crate::commands::light;
+use crate::light;
 use crate::progress::{ProgressDisplay, words};
 
 /// The request for the scene that the command line names, if any.

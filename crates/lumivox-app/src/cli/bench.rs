@@ -3,14 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::TypedValueParser;
 use glam::UVec2;
+use lumivox::{OctreeOptions, VolumeKind};
+use lumivox_console::values::choices::among;
 use lumivox_console::{LoadArgs, SceneSource};
 use lumivox_render::PresetChoice;
 
 use super::GpuArgs;
 use super::load::scene_source;
 use crate::args::{choices, number, size};
-use crate::commands::bench::StoreChoice;
 
 /// Examples for the help.
 pub const EXAMPLES: &str = "\
@@ -20,6 +22,42 @@ Examples:
   lumivox bench --quick
   lumivox bench --scene hall.glb --resolutions 256 --sizes 1920x1080 --presets high
 ";
+
+/// A kind of volume on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VolumeChoice {
+    Dense,
+    Octree,
+}
+
+impl VolumeChoice {
+    /// All kinds.
+    pub const ALL: [Self; 2] = [Self::Dense, Self::Octree];
+
+    /// A parser of the names.
+    pub fn parser() -> impl TypedValueParser<Value = Self> {
+        among(&Self::ALL, |kind| match kind {
+            Self::Dense => ("dense", "3D textures over the whole grid"),
+            Self::Octree => ("octree", "memory in proportion to the surface"),
+        })
+    }
+
+    /// The name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Dense => "dense",
+            Self::Octree => "octree",
+        }
+    }
+
+    /// The volume, with default options.
+    pub fn volume(self) -> VolumeKind {
+        match self {
+            Self::Dense => VolumeKind::Dense,
+            Self::Octree => VolumeKind::Octree(OctreeOptions::default()),
+        }
+    }
+}
 
 /// The arguments of `bench`.
 #[derive(Args, Debug)]
@@ -54,9 +92,9 @@ pub struct BenchArgs {
     pub load: LoadArgs,
 
     /// Kinds of volumes, separated by commas [default: dense,octree]
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = StoreChoice::parser())]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = VolumeChoice::parser())]
     #[arg(help_heading = "Measurement")]
-    pub volumes: Vec<StoreChoice>,
+    pub volumes: Vec<VolumeChoice>,
 
     /// Voxels along the scene's longest axis, separated by commas: multiples of 8 from 16 to 1024
     /// [default: 64,128,256; 64 on a software driver]

@@ -7,7 +7,7 @@ use lumivox_render::RenderSettings;
 use super::load::scene_source;
 use super::{ConeArgs, GpuArgs, LightArgs, PictureArgs};
 use crate::args::settings::{Given, SettingArgs, VolumeGroups};
-use crate::commands::settings;
+use crate::settings;
 
 /// A scene, or none yet, and the settings of its first picture.
 #[derive(Args, Debug)]

@@ -7,6 +7,7 @@ mod bench;
 mod compare;
 mod cones;
 mod explore;
+mod gpu;
 mod light;
 mod load;
 mod measure;
@@ -30,10 +31,11 @@ use lumivox_console::{Failure, SceneSource};
 use lumivox_render::RenderSettings;
 
 pub use bake::BakeArgs;
-pub use bench::BenchArgs;
+pub use bench::{BenchArgs, VolumeChoice};
 pub use compare::CompareArgs;
 pub use cones::ConeArgs;
 pub use explore::ExploreArgs;
+pub use gpu::GpuArgs;
 pub use light::LightArgs;
 pub use load::SceneArg;
 pub use measure::{MeasureArgs, Method};
@@ -52,8 +54,8 @@ pub use window::{WindowArgs, WindowDevice};
 
 use crate::args::number;
 use crate::args::settings::{Given, SettingArgs, VolumeGroups};
-use crate::commands::settings;
 use crate::exit;
+use crate::settings;
 use crate::timeline::{AnimationName, animation};
 use load::scene_source;
 
@@ -186,43 +188,6 @@ pub enum Command {
     Commands(CommandsArgs),
     /// List the built-in scenes
     Scenes,
-}
-
-/// The choice of the GPU.
-#[derive(Args, Debug)]
-#[command(next_help_heading = "GPU")]
-pub struct GpuArgs {
-    /// Part of the GPU's name, in upper or lower case [default: the fastest kind of GPU]
-    ///
-    /// `lumivox info` lists them.
-    #[arg(long, value_name = "NAME")]
-    pub adapter: Option<String>,
-
-    /// Use no more than WebGPU's default limits, as in a browser [default: off]
-    #[arg(long)]
-    pub portable: bool,
-
-    /// Folder for the file of compiled pipelines, or `off` [default: the user's cache folder]
-    ///
-    /// A driver that keeps none itself starts faster the next time (Vulkan only). The variable
-    /// `LUMIVOX_PIPELINE_CACHE` sets the default.
-    #[arg(long, value_name = "FOLDER")]
-    pub pipeline_cache: Option<PathBuf>,
-}
-
-impl GpuArgs {
-    /// Options for opening the device.
-    pub(crate) fn options(&self) -> lumivox_render::GpuOptions {
-        lumivox_render::GpuOptions {
-            adapter: self.adapter.clone(),
-            portable: self.portable,
-            pipeline_cache: match &self.pipeline_cache {
-                Some(folder) if folder.as_os_str() == "off" => None,
-                Some(folder) => Some(folder.clone()),
-                None => lumivox_render::pipeline_cache_folder(),
-            },
-        }
-    }
 }
 
 /// The arguments of `render`.

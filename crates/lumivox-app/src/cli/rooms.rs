@@ -3,12 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::TypedValueParser;
 use glam::UVec2;
+use lumivox_console::values::choices::among;
 use lumivox_render::PresetChoice;
+use lumivox_scene::rooms::Kind;
 
 use super::GpuArgs;
 use crate::args::{choices, number, size};
-use crate::commands::rooms::KindChoice;
 
 /// Examples for the help.
 pub const EXAMPLES: &str = "\
@@ -18,6 +20,35 @@ Examples:
   lumivox rooms --seed 19 --count 1 --keep rooms
   lumivox rooms --kinds tent,door-ajar --preset high
 ";
+
+/// A value of `--kinds`: a kind, or all of them.
+#[derive(Clone, Copy, Debug)]
+pub struct KindChoice(Option<Kind>);
+
+impl KindChoice {
+    const ALL: [Self; 13] = {
+        let mut all = [Self(None); 13];
+        let mut kind = 0;
+        while kind < Kind::ALL.len() {
+            all[kind + 1] = Self(Some(Kind::ALL[kind]));
+            kind += 1;
+        }
+        all
+    };
+
+    /// Reads the name of a kind.
+    pub fn parser() -> impl TypedValueParser<Value = Self> {
+        among(&Self::ALL, |choice| match choice.0 {
+            None => ("all", "each of the kinds below"),
+            Some(kind) => (kind.name(), kind.summary()),
+        })
+    }
+
+    /// The chosen kinds.
+    pub fn kinds(self) -> Vec<Kind> {
+        self.0.map_or(Kind::ALL.to_vec(), |kind| vec![kind])
+    }
+}
 
 /// The arguments of `rooms`.
 #[derive(Args, Debug)]

@@ -13,7 +13,7 @@ use lumivox_vxct::VxctSettings;
 
 use super::*;
 use crate::Exit;
-use crate::commands::settings::expose_for_look;
+use crate::settings::expose_for_look;
 
 fn commands() -> Vec<Definition> {
     let mut root = Cli::command();

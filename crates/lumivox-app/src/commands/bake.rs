@@ -15,11 +15,11 @@ use serde_json::{Value, json};
 
 use super::measure::Task;
 use super::staged::stage;
-use super::{light, settings};
 use crate::args::{output, scene};
 use crate::cli::{BakeArgs, Method};
 use crate::host::Host;
 use crate::progress::ProgressDisplay;
+use crate::{light, settings};
 
 /// The most probes.
 const MOST: f64 = (1 << 18) as f64;
@@ -50,7 +50,7 @@ pub fn run(args: &BakeArgs, host: &Host) -> anyhow::Result<()> {
     light::check(&args.sources)?;
     let start = Instant::now();
     let mut progress = ProgressDisplay::start(host, "loading");
-    let gpu = host.open_gpu(&args.gpu)?;
+    let gpu = host.open_gpu(&args.gpu.options())?;
     // No default light is added, unless --surroundings asks for some.
     let adds = args.sources.surroundings.is_some();
     let sources = SourceArgs { no_default_light: !adds, ..args.sources.clone() };

@@ -1,12 +1,10 @@
 //! `lumivox merge`: adds up the parts of a reference.
 
-use std::path::Path;
-
 use lumivox_console::Failure;
 use lumivox_console::report::counted;
 use lumivox_render::ImageFormat;
 use lumivox_render::reference::{BATCH, PartError, ReferenceLayers, ReferenceMerge, ReferencePart};
-use lumivox_scene::{read_regular, write_atomically};
+use lumivox_scene::read_regular;
 use serde::Serialize;
 
 use super::reference::{Noise, write};
@@ -57,21 +55,8 @@ pub fn run(args: &MergeArgs, host: &Host) -> anyhow::Result<()> {
 fn write_layers(layers: &ReferenceLayers, args: &MergeArgs, host: &Host) -> anyhow::Result<()> {
     match ImageFormat::from_path(&args.output)? {
         ImageFormat::Exr => Ok(layers.write_exr(&args.output)?),
-        ImageFormat::Png => write(layers, &host.open_gpu(&args.gpu)?, &args.output),
+        ImageFormat::Png => write(layers, &host.open_gpu(&args.gpu.options())?, &args.output),
     }
-}
-
-/// Writes a part, whole or not at all.
-///
-/// # Errors
-/// A [`Failure`] of output.
-pub fn write_part(part: &ReferencePart, file: &Path) -> anyhow::Result<()> {
-    let bytes = part.to_bytes();
-    let written = write_atomically(file, |out| std::io::Write::write_all(out, &bytes));
-    written.map_err(|error| {
-        let reason = format!("{}: cannot write the part: {error}", file.display());
-        Failure::output(reason + "; check the folder and its permissions").into()
-    })
 }
 
 #[derive(Clone, Debug, Serialize)]

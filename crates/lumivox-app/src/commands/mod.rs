@@ -6,7 +6,6 @@ pub mod compare;
 pub mod convert;
 pub mod info;
 mod kept;
-pub mod light;
 pub mod measure;
 pub mod merge;
 pub mod motion;
@@ -16,7 +15,6 @@ pub mod render;
 pub mod rooms;
 pub mod run;
 pub mod scenes;
-pub mod settings;
 mod staged;
 #[cfg(feature = "window")]
 pub mod view;

@@ -7,19 +7,18 @@ use std::time::{Duration, Instant};
 use lumivox_console::Failure;
 use lumivox_console::report::{AdapterReport, SceneCounts};
 use lumivox_render::reference::{
-    BATCH, PathTracer, ReferenceLayers, ReferenceProgress, ReferenceSettings,
+    BATCH, PathTracer, ReferenceLayers, ReferencePart, ReferenceProgress, ReferenceSettings,
 };
 use lumivox_render::{Exposure, Gpu, ImageFormat, Picture, ToneMap};
 use lumivox_scene::{read_regular, write_atomically};
 use serde::Serialize;
 
-use super::light;
-use super::merge;
 use super::staged::stage;
 use crate::args::output;
 use crate::args::scene;
 use crate::cli::ReferenceArgs;
 use crate::host::Host;
+use crate::light;
 use crate::lock::Lock;
 use crate::progress::ProgressDisplay;
 
@@ -43,7 +42,7 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     let _lock = checkpoint.map(|file| Lock::take(file, "keeps its sums there")).transpose()?;
     let start = Instant::now();
     let mut progress = ProgressDisplay::start(host, "loading");
-    let gpu = host.open_gpu(&args.gpu)?;
+    let gpu = host.open_gpu(&args.gpu.options())?;
     let (scene, camera) = stage(
         &args.scene.scene,
         &args.scene.load,
@@ -91,7 +90,7 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
         (Some(part), _) => {
             // An incomplete part is not written: its name would not show it.
             if is_complete {
-                merge::write_part(&tracer.part(), part)?;
+                write_part(&tracer.part(), part)?;
             }
             part
         }
@@ -172,6 +171,16 @@ fn keep(tracer: &PathTracer, file: &Path) -> anyhow::Result<()> {
     let written = write_atomically(file, |out| std::io::Write::write_all(out, &sums));
     written.map_err(|error| {
         let reason = format!("{}: cannot write the checkpoint: {error}", file.display());
+        Failure::output(reason + "; check the folder and its permissions").into()
+    })
+}
+
+/// Writes a part, whole or not at all.
+fn write_part(part: &ReferencePart, file: &Path) -> anyhow::Result<()> {
+    let bytes = part.to_bytes();
+    let written = write_atomically(file, |out| std::io::Write::write_all(out, &bytes));
+    written.map_err(|error| {
+        let reason = format!("{}: cannot write the part: {error}", file.display());
         Failure::output(reason + "; check the folder and its permissions").into()
     })
 }

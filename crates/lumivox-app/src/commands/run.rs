@@ -12,7 +12,7 @@ use lumivox_render::RenderProgress as Step;
 
 use crate::cli::RunArgs;
 use crate::disk::{self, Disk};
-use crate::exit::{self, Located, Told};
+use crate::exit::{Located, Told};
 use crate::host::Host;
 use crate::opening;
 use crate::progress::{ProgressDisplay, words};
@@ -90,7 +90,7 @@ impl Runner {
     fn new(args: &RunArgs, host: &Host) -> anyhow::Result<Self> {
         let explore = &args.explore;
         let settings = explore.settings()?;
-        let gpu = host.open_gpu(&explore.gpu)?;
+        let gpu = host.open_gpu(&explore.gpu.options())?;
         let explorer = Explorer::new(gpu, settings.clone(), explore.cones.preset());
         let mut console = Console::new(explorer, Box::new(Disk))
             .with_defaults(explore.load.clone(), explore.light.sources.clone());
@@ -120,7 +120,7 @@ impl Runner {
                 return Err(error.into());
             }
             failed += 1;
-            let code = exit::with_error(&error.into(), &self.host);
+            let code = self.host.report(&error.into());
             first.get_or_insert(code);
         }
         let Some(code) = first else { return Ok(()) };
@@ -198,7 +198,7 @@ impl Runner {
             queue.add(line, "");
             while let Some(line) = queue.take() {
                 if let Err(error) = self.line(&line.text, &mut queue) {
-                    exit::with_error(&Located::new(line.place, error).into(), &self.host);
+                    self.host.report(&Located::new(line.place, error).into());
                     queue.abandon();
                 }
                 if self.is_over {

@@ -7,9 +7,9 @@ use lumivox_console::values::camera::CameraChoice;
 use lumivox_console::{Failure, LoadArgs, SceneSource, SourceArgs};
 use lumivox_scene::{Camera, Fineness, Scene, Sight, SightOptions, Staging};
 
-use super::light;
 use crate::args::camera::resolve_with;
 use crate::cli::ViewArgs;
+use crate::light;
 use crate::progress::ProgressDisplay;
 use crate::timeline::choose;
 

@@ -25,7 +25,7 @@ pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
     // The driver's threads inherit the lower priority of the thread that opens the device.
     let open = || {
         window::give_way();
-        host.open_gpu(&args.explore.gpu)
+        host.open_gpu(&args.explore.gpu.options())
     };
     let gpu = std::thread::scope(|scope| scope.spawn(open).join());
     let gpu = gpu.map_err(|_| anyhow::anyhow!("the driver's thread has failed"))??;

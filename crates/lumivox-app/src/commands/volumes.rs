@@ -32,7 +32,7 @@ pub fn run(args: &VolumesArgs, host: &Host) -> anyhow::Result<()> {
         output::check_kind(file, "svg", "a chart is written as SVG")?;
     }
     let progress = ProgressDisplay::start(host, "loading");
-    let gpu = host.open_gpu(&args.gpu)?;
+    let gpu = host.open_gpu(&args.gpu.options())?;
     let mut scene = args.scene.load(&progress)?;
     staged::look_at(&mut scene, None, args.size, Staging::Auto, &progress)?;
     let mut rows = Vec::new();

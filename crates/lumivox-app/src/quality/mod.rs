@@ -18,4 +18,4 @@ pub use film::film;
 pub use measure::{Leak, Measured, Subject, Truth, check_wish, reference};
 pub use memory_chart::{MemoryPoint, memory_against_resolution};
 pub use step_chart::{StepPanel, error_by_step};
-pub use strip::{Row, strip};
+pub use strip::{Row, strip, write_strip};

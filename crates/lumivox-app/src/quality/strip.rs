@@ -1,8 +1,13 @@
 //! Strips of pictures: the reference, ours, and where ours is too dark or too bright.
 
+use std::io;
+use std::path::Path;
+
+use image::codecs::png::PngEncoder;
 use image::{Rgb, RgbImage, imageops};
-use lumivox_console::named_figures;
+use lumivox_console::{Failure, named_figures};
 use lumivox_render::compare::{CompareError, ErrorFigures, LinearPicture, relative_errors};
+use lumivox_scene::write_atomically;
 
 use super::canvas::{Align, Canvas};
 
@@ -144,6 +149,20 @@ impl Layout {
 }
 
 /// The integer factor by which a picture is enlarged.
+/// Writes a strip as PNG, complete or not at all.
+///
+/// # Errors
+/// A [`Failure`] of output that names the file.
+pub fn write_strip(file: &Path, image: &RgbImage) -> anyhow::Result<()> {
+    let written = write_atomically(file, |out| {
+        image.write_with_encoder(PngEncoder::new(out)).map_err(io::Error::other)
+    });
+    let failure = |error| format!("{}: cannot write the strip: {error}", file.display());
+    written.map_err(|error| {
+        Failure::output(failure(error) + "; check the folder and its permissions").into()
+    })
+}
+
 fn factor(picture: &LinearPicture) -> u32 {
     let [width, height] = picture.size.to_array().map(|edge| edge.max(1));
     LEAST_WIDTH.div_ceil(width).min(MOST_ENLARGED_HEIGHT / height).max(1)

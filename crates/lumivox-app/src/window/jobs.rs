@@ -1,10 +1,8 @@
-//! Background jobs: reading scenes, and tracing references. Results are sent to the worker as
-//! orders.
+//! Background jobs: reading scenes, and tracing references.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::mpsc::Sender;
 use std::time::Instant;
 
 use glam::UVec2;
@@ -13,7 +11,6 @@ use lumivox_render::reference::{PathTracer, ReferenceProgress, ReferenceSettings
 use lumivox_render::{Gpu, RenderSettings, ToneMap};
 use lumivox_scene::{Camera, Environment, Instance, Light, Material, Scene};
 
-use super::orders::Order;
 use super::reload::Watched;
 use crate::progress::{ProgressDisplay, ProgressReader};
 
@@ -41,9 +38,14 @@ pub struct Loaded {
     pub result: anyhow::Result<OpenedScene>,
 }
 
-/// Reads a scene on its own thread. Loaders cannot be stopped: the result of a cancelled one is
-/// dropped when it arrives.
-pub fn load(number: u64, opening: SceneRequest, is_reload: bool, orders: Sender<Order>) -> Loading {
+/// Reads a scene on its own thread, which calls `done` with the result. Loaders cannot be stopped:
+/// the result of a cancelled one is dropped when it arrives.
+pub fn load(
+    number: u64,
+    opening: SceneRequest,
+    is_reload: bool,
+    done: impl FnOnce(Loaded) + Send + 'static,
+) -> Loading {
     let progress = ProgressDisplay::silent("reading");
     let (watch, title) = (progress.watch(), opening.source.to_string());
     let work = move || {
@@ -52,8 +54,7 @@ pub fn load(number: u64, opening: SceneRequest, is_reload: bool, orders: Sender<
         }));
         let result =
             result.unwrap_or_else(|_| Err(anyhow::anyhow!("the loader failed; see the terminal")));
-        // The receiver is gone if the window was closed.
-        let _ = orders.send(Order::Loaded(Box::new(Loaded { number, result })));
+        done(Loaded { number, result });
     };
     std::thread::spawn(work);
     Loading { number, watch, title, is_reload, watched: None }
@@ -159,22 +160,21 @@ impl Drop for Tracing {
     }
 }
 
-/// Traces a reference on its own thread, until the returned [`Tracing`] is dropped.
+/// Traces a reference on its own thread, which calls `done` with each result, until the returned
+/// [`Tracing`] is dropped.
 pub fn trace(
     number: u64,
     gpu: Gpu,
     scene: Scene,
     key: ReferenceKey,
-    orders: Sender<Order>,
+    done: impl Fn(Traced) + Send + 'static,
 ) -> Tracing {
     let shared = Arc::new(Shared::default());
     let since = Instant::now();
     let tracing =
         Tracing { key: key.clone(), number, since, shared: shared.clone(), is_over: false };
     std::thread::spawn(move || {
-        let send = |result, is_last| {
-            let _ = orders.send(Order::Traced(Box::new(Traced { number, result, is_last })));
-        };
+        let send = |result, is_last| done(Traced { number, result, is_last });
         if let Err(error) = trace_all(&gpu, &scene, &key, &shared, &send) {
             send(Err(error), true);
         }

@@ -3,15 +3,13 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::{Mat4, UVec2, Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3};
 use lumivox_console::{Console, Names};
 use lumivox_explorer::{Explorer, Pacing, Placement, Playback, Revoxelize};
 use lumivox_render::{
     Histogram, MemoryUse, Photometry, PresetChoice, RenderSettings, TraceFigures,
 };
 use lumivox_scene::{Bounds, Camera, Light, Material};
-
-use super::screen::Pixels;
 
 /// The stages whose times are shown, by the renderer's names; times of other stages are added to
 /// the last.
@@ -275,19 +273,6 @@ pub struct LogLine {
     pub kind: LogKind,
     /// The text, which may have several lines.
     pub text: Arc<str>,
-}
-
-/// A picture for the screen.
-#[derive(Clone, Debug)]
-pub struct Shown {
-    /// The picture's number.
-    pub serial: u64,
-    /// Width and height, px.
-    pub size: UVec2,
-    /// Its pixels: on the CPU, or a texture of the shared device.
-    pub pixels: Pixels,
-    /// Averaged frames, or samples of the reference.
-    pub frames: u32,
 }
 
 /// The meshes' bounds in local coordinates; computed once per scene.

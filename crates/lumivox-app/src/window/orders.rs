@@ -9,7 +9,8 @@ use lumivox_scene::Camera;
 
 use super::jobs::{Loaded, Traced};
 use super::lines::Line;
-use super::model::{Doing, Job, JobModel, LightAt, LogKind, Model, Shown};
+use super::model::{Doing, Job, JobModel, LightAt, LogKind, Model};
+use super::screen::Shown;
 
 /// Wakes the window.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;

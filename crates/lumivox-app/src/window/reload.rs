@@ -2,13 +2,11 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::time::Duration;
 
 use lumivox_scene::may_name;
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
-
-use super::orders::Order;
 
 /// Changes within this time count as one: programs write files in pieces.
 const QUIET: Duration = Duration::from_millis(250);
@@ -21,11 +19,15 @@ pub struct Watched {
     _watcher: RecommendedWatcher,
 }
 
-/// Sends [`Order::FilesChanged`] when a scene's file changes, or one that it names.
+/// Calls `changed` when a scene's file changes, or one that it names.
 ///
 /// # Errors
 /// When the system cannot watch the files.
-pub fn watch(scene: &Path, allow_outside: bool, orders: Sender<Order>) -> notify::Result<Watched> {
+pub fn watch(
+    scene: &Path,
+    allow_outside: bool,
+    changed: impl Fn() + Send + 'static,
+) -> notify::Result<Watched> {
     let files: BTreeSet<PathBuf> =
         files_of(scene, allow_outside).into_iter().map(|file| canonical(&file)).collect();
     // Watch folders: some programs write a new file and rename it, which a watched file does not
@@ -44,27 +46,22 @@ pub fn watch(scene: &Path, allow_outside: bool, orders: Sender<Order>) -> notify
     for folder in folders {
         watcher.watch(folder, RecursiveMode::NonRecursive)?;
     }
-    std::thread::spawn(move || forward(&changes, &orders));
+    std::thread::spawn(move || forward(&changes, &changed));
     Ok(Watched { _watcher: watcher })
 }
 
-/// Forwards bursts of changes as one order each, until the watcher with the sender is dropped.
-fn forward(changes: &Receiver<()>, orders: &Sender<Order>) {
+/// Calls `changed` once for each burst of changes, until the watcher with the sender is dropped.
+fn forward(changes: &Receiver<()>, changed: &dyn Fn()) {
     while changes.recv().is_ok() {
         loop {
             match changes.recv_timeout(QUIET) {
                 Ok(()) => {}
                 Err(RecvTimeoutError::Timeout) => break,
                 // The last change of a watcher that is being replaced.
-                Err(RecvTimeoutError::Disconnected) => {
-                    let _ = orders.send(Order::FilesChanged);
-                    return;
-                }
+                Err(RecvTimeoutError::Disconnected) => break,
             }
         }
-        if orders.send(Order::FilesChanged).is_err() {
-            return;
-        }
+        changed();
     }
 }
 
@@ -166,21 +163,22 @@ mod tests {
 
     /// All changes are queued before the thread starts, so that timing does not matter.
     #[test]
-    fn changes_that_follow_each_other_are_told_once() {
+    fn changes_that_follow_each_other_are_reported_once() {
         let (sender, changes) = mpsc::channel();
         for _ in 0..3 {
             sender.send(()).unwrap();
         }
-        let (orders_sender, orders) = mpsc::channel();
-        let forwarding = std::thread::spawn(move || forward(&changes, &orders_sender));
-        assert!(matches!(orders.recv(), Ok(Order::FilesChanged)));
+        let (forwarded, bursts) = mpsc::channel();
+        let forwarding =
+            std::thread::spawn(move || forward(&changes, &|| forwarded.send(()).unwrap()));
+        assert!(bursts.recv().is_ok());
         drop(sender);
-        assert!(orders.recv().is_err(), "once");
+        assert!(bursts.recv().is_err(), "once");
         forwarding.join().unwrap();
     }
 
     #[test]
-    fn changes_of_the_file_are_told() {
+    fn a_change_of_the_file_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.obj");
         let other = folder.path().join("a.obj.tmp");
@@ -192,12 +190,14 @@ mod tests {
         };
         for change in [write, replace] {
             std::fs::write(&file, "v 0 0 0").unwrap();
-            let (sender, orders) = mpsc::channel();
+            let (sender, changes) = mpsc::channel();
             // A new watcher each time, without earlier events.
-            let watched = watch(&file, false, sender).unwrap();
+            let watched = watch(&file, false, move || {
+                let _ = sender.send(());
+            })
+            .unwrap();
             change(&file, &other);
-            let told = orders.recv_timeout(Duration::from_mins(2));
-            assert!(matches!(told, Ok(Order::FilesChanged)), "{told:?}");
+            changes.recv_timeout(Duration::from_mins(2)).unwrap();
             drop(watched);
         }
     }

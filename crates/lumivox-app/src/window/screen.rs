@@ -11,8 +11,6 @@ use glam::UVec2;
 use lumivox_explorer::{Explorer, ExplorerError};
 use lumivox_render::{Gpu, GpuId};
 
-use super::model::Shown;
-
 /// Number of pictures on the screen: the rendering, and the one it is compared with.
 pub const PICTURES: usize = 2;
 
@@ -23,6 +21,19 @@ pub enum Pixels {
     InMemory(Vec<[u8; 4]>),
     /// In a texture of a device. The worker reuses it once it has the only reference.
     OnDevice(GpuId, Arc<wgpu::Texture>),
+}
+
+/// A picture for the screen.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// The picture's number.
+    pub serial: u64,
+    /// Width and height, px.
+    pub size: UVec2,
+    /// Its pixels: on the CPU, or a texture of the shared device.
+    pub pixels: Pixels,
+    /// Averaged frames, or samples of the reference.
+    pub frames: u32,
 }
 
 /// The worker's side.

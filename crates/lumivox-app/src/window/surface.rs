@@ -19,8 +19,7 @@ use wgpu::CurrentSurfaceTexture;
 use winit::window::Window;
 
 use super::damage;
-use super::model::Shown;
-use super::screen::{PICTURES, Textures};
+use super::screen::{PICTURES, Shown, Textures};
 use crate::cli::WindowDevice;
 
 /// Maximum replacements of the device without a shown frame in between.

@@ -23,7 +23,6 @@ use crate::progress::ProgressDisplay;
 use machine::Machine;
 use measure::{Bench, Subject};
 use page::page;
-pub use plan::StoreChoice;
 use plan::{Case, Motion, Plan};
 use report::{FORMAT, Report, Row};
 
@@ -50,7 +49,7 @@ pub fn run(args: &BenchArgs, host: &Host) -> anyhow::Result<()> {
         output::check_kind(file, "json", "the figures are written as JSON")?;
     }
     let mut progress = ProgressDisplay::start(host, "loading");
-    let mut gpu = host.open_gpu(&args.gpu)?;
+    let mut gpu = host.open_gpu(&args.gpu.options())?;
     let plan = Plan::new(args, gpu.is_software());
     let subjects = subjects(args, &plan, &progress)?;
     progress.stop_on_interrupt(host)?;
@@ -81,7 +80,7 @@ pub fn run(args: &BenchArgs, host: &Host) -> anyhow::Result<()> {
         progress.set("measuring", done, total);
         // If a case lost the device, open it again; if that fails, later cases report the loss.
         if gpu.is_lost()
-            && let Ok(another) = host.open_gpu(&args.gpu)
+            && let Ok(another) = host.open_gpu(&args.gpu.options())
         {
             gpu = another;
         }

@@ -1,14 +1,12 @@
 //! The cases to measure, and their names.
 
-use clap::builder::TypedValueParser;
 use glam::UVec2;
-use lumivox::{OctreeOptions, Preset, VolumeKind};
+use lumivox::Preset;
 use lumivox_console::SceneSource;
-use lumivox_console::values::choices::among;
 use lumivox_render::PresetChoice;
 use serde::{Deserialize, Serialize};
 
-use crate::cli::BenchArgs;
+use crate::cli::{BenchArgs, VolumeChoice};
 
 /// The size at which everything is measured.
 const SIZE: UVec2 = UVec2::new(640, 360);
@@ -16,41 +14,6 @@ const SIZE: UVec2 = UVec2::new(640, 360);
 const SCREEN: (UVec2, u32) = (UVec2::new(1920, 1080), 128);
 /// The resolution of the small part.
 const SMALL: u32 = 64;
-
-/// A kind of volume on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StoreChoice {
-    Dense,
-    Octree,
-}
-
-impl StoreChoice {
-    const ALL: [Self; 2] = [Self::Dense, Self::Octree];
-
-    /// A parser of the names.
-    pub fn parser() -> impl TypedValueParser<Value = Self> {
-        among(&Self::ALL, |kind| match kind {
-            Self::Dense => ("dense", "3D textures over the whole grid"),
-            Self::Octree => ("octree", "memory in proportion to the surface"),
-        })
-    }
-
-    /// The name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Dense => "dense",
-            Self::Octree => "octree",
-        }
-    }
-
-    /// The volume, with default options.
-    pub fn volume(self) -> VolumeKind {
-        match self {
-            Self::Dense => VolumeKind::Dense,
-            Self::Octree => VolumeKind::Octree(OctreeOptions::default()),
-        }
-    }
-}
 
 /// Whether things move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -80,7 +43,7 @@ pub struct Case {
     pub scene: usize,
     /// The name of its scene.
     pub scene_name: String,
-    pub volume: StoreChoice,
+    pub volume: VolumeChoice,
     /// Voxels along the scene's longest axis.
     pub resolution: u32,
     pub preset: PresetChoice,
@@ -146,7 +109,7 @@ impl Plan {
         };
         let scenes = if args.scenes.is_empty() { usual } else { args.scenes.clone() };
         let volumes =
-            if args.volumes.is_empty() { StoreChoice::ALL.to_vec() } else { args.volumes.clone() };
+            if args.volumes.is_empty() { VolumeChoice::ALL.to_vec() } else { args.volumes.clone() };
         let presets = if args.presets.is_empty() { presets } else { args.presets.clone() };
         let resolutions = or(&args.resolutions, resolutions);
         let sizes = |resolution: u32| match &args.sizes[..] {

@@ -6,10 +6,9 @@ use anyhow::Context as _;
 use lumivox_console::{Comparison, Failure};
 use lumivox_render::compare::{ErrorFigures, PictureFile};
 
-use super::write_strip;
 use crate::cli::CompareArgs;
 use crate::host::Host;
-use crate::quality::{Row, strip};
+use crate::quality::{Row, strip, write_strip};
 
 /// Compares two files, and reports.
 ///

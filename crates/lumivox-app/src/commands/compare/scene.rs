@@ -8,15 +8,14 @@ use lumivox_render::RenderSettings;
 use lumivox_render::reference::ReferenceSettings;
 use serde::Serialize;
 
-use super::write_strip;
 use crate::args::output;
 use crate::cli::CompareArgs;
-use crate::commands::light;
-use crate::commands::settings;
 use crate::commands::staged::stage;
 use crate::host::Host;
+use crate::light;
 use crate::progress::ProgressDisplay;
-use crate::quality::{Measured, Subject, reference, strip};
+use crate::quality::{Measured, Subject, reference, strip, write_strip};
+use crate::settings;
 
 /// Renders, traces, compares and reports.
 ///
@@ -34,7 +33,7 @@ pub fn run(source: &SceneSource, args: &CompareArgs, host: &Host) -> anyhow::Res
     light::check(&args.light.sources)?;
     let start = Instant::now();
     let mut progress = ProgressDisplay::start(host, "loading");
-    let gpu = host.open_gpu(&args.gpu)?;
+    let gpu = host.open_gpu(&args.gpu.options())?;
     settings.validate(&gpu.device.limits())?;
     let (scene, camera) =
         stage(source, &args.load, &args.light.sources, &args.view, args.size, &progress)?;

@@ -4,9 +4,9 @@ mod machine;
 mod scene;
 
 use crate::cli::InfoArgs;
-use crate::commands::settings;
 use crate::host::Host;
 use crate::progress::ProgressDisplay;
+use crate::settings;
 
 /// Describes the scene if one is named, and the machine otherwise.
 ///

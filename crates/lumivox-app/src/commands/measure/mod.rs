@@ -21,12 +21,12 @@ use lumivox_render::measure::Summary;
 use lumivox_scene::{Picker, write_atomically};
 
 use super::staged::stage;
-use super::{light, settings};
 use crate::args::{output, scene};
 use crate::cli::{MeasureArgs, Method};
 use crate::host::Host;
 use crate::progress::ProgressDisplay;
 use crate::quality::{FalseColor, false_color_png};
+use crate::{light, settings};
 use places::Places;
 pub use readings::{Task, gathers};
 use report::Report;
@@ -67,7 +67,7 @@ pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
     light::check(&args.sources)?;
     let start = Instant::now();
     let mut progress = ProgressDisplay::start(host, "loading");
-    let gpu = host.open_gpu(&args.gpu)?;
+    let gpu = host.open_gpu(&args.gpu.options())?;
     // No default light is added, unless --surroundings asks for some.
     let adds = args.sources.surroundings.is_some();
     let sources = SourceArgs { no_default_light: !adds, ..args.sources.clone() };

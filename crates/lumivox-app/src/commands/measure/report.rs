@@ -8,7 +8,7 @@ use lumivox_console::shown;
 use lumivox_render::measure::Summary;
 use serde_json::{Map, Value, json};
 
-use super::Places;
+use super::places::Places;
 use super::readings::Reading;
 
 /// All that was measured.

@@ -10,7 +10,8 @@ use lumivox_render::{Gpu, PresetChoice, RenderProgress, RenderSettings, View};
 use lumivox_scene::{Camera, Scene, SightOptions};
 use serde::Serialize;
 
-use super::sequences::{Pose, Sequence, Start};
+use super::moves::{Pose, Start};
+use super::sequences::Sequence;
 
 /// More frames than any sequence holds still, so that a picture is never complete.
 pub const FRAMES: u32 = 1024;

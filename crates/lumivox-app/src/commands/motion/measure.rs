@@ -11,12 +11,13 @@ use super::figures::{
     DisplayError, Known, Pool, Spread, error_on_screen, flicker, flicker_on_screen, mean,
     share_of_change, trail,
 };
+use super::moves::{Pose, Step};
 use super::report::{
     AtStop, Change, Disoccluded, FlickerFigures, InMotion, Latency, Left, SequenceReport, Share,
     StepFigures, Trail,
 };
 use super::seen::Seen;
-use super::sequences::{Kind, Phase, Pose, Sequence, Step, first_of, last_of, marked, steps};
+use super::sequences::{Kind, Phase, Sequence, first_of, last_of, marked, steps};
 use super::truth::{Truth, Truths};
 use crate::progress::ProgressDisplay;
 use crate::quality::{BlockNoise, check_wish};

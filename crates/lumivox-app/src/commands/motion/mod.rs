@@ -44,15 +44,15 @@ use lumivox_scene::{Camera, Scene};
 use serde::Serialize;
 
 use super::kept::Kept;
-use super::light;
-use super::settings;
 use super::staged::stage;
 use crate::args::output;
 use crate::cli::MotionArgs;
 use crate::host::Host;
+use crate::light;
 use crate::progress::ProgressDisplay;
+use crate::settings;
 use measure::{Measured, Task};
-use report::SequenceReport;
+use report::{Case, SequenceReport};
 use sequences::{Home, SEQUENCES, Sequence};
 use truth::Truths;
 
@@ -78,7 +78,7 @@ pub fn run(args: &MotionArgs, host: &Host) -> anyhow::Result<()> {
     check(args)?;
     let start = Instant::now();
     let mut progress = ProgressDisplay::start(host, "loading");
-    let gpu = host.open_gpu(&args.gpu)?;
+    let gpu = host.open_gpu(&args.gpu.options())?;
     progress.stop_on_interrupt(host)?;
     let mut work = Work { args, gpu: &gpu, progress: &progress, staged: BTreeMap::new() };
     let sequences = work.chosen(named)?;
@@ -169,7 +169,7 @@ fn write_page(
                 kept.put(key.clone(), measured.report)?;
             }
             let report: SequenceReport = kept.get(&key).cloned().context(key)?;
-            cases.push(page::Case { preset: preset.name(), report, is_shown });
+            cases.push(Case { preset: preset.name(), report, is_shown });
         }
     }
     let named: Vec<_> = cases.iter().map(|case| (case.preset.to_owned(), &case.report)).collect();

@@ -4,32 +4,49 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::{Mat4, Quat, Vec3};
 use lumivox_console::Failure;
-use lumivox_scene::{Camera, Instance, LightKind, Mesh, Scene};
+use lumivox_scene::{Camera, Instance, Light, LightKind, Mesh, Scene};
 
-use super::sequences::{Pose, Start, Step, any_scene};
-
-pub(super) fn needs_lamp(scene: &mut Scene) -> Result<(), Failure> {
-    let has_lamp =
-        scene.lights.iter().any(|light| !matches!(light.kind, LightKind::Directional { .. }));
-    if has_lamp {
-        return Ok(());
-    }
-    Err(Failure::input(format!(
-        "\"{}\" has no lamp that could move or be switched off; give another scene, or the \
-         sequence orbit (--sequence orbit)",
-        scene.name
-    )))
+/// A moment of a sequence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Its number, from 0.
+    pub index: u32,
+    /// Its phase.
+    pub phase: usize,
+    /// The share of the phase's motion that is done, above 0 to 1.
+    pub share: f32,
 }
 
-pub(super) fn needs_animation(scene: &mut Scene) -> Result<(), Failure> {
-    if scene.animations().is_empty() {
-        return Err(Failure::input(format!(
-            "nothing moves in the scene \"{}\": it has no animation; give {}",
-            scene.name,
-            any_scene()
-        )));
+/// A scene before anything moves.
+#[derive(Clone, Debug)]
+pub struct Start {
+    pub scene: Scene,
+    pub camera: Camera,
+    /// The length of the scene's first animation, s.
+    pub duration_s: f32,
+}
+
+/// Everything that may move, at one step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    pub camera: Camera,
+    pub lights: Vec<Light>,
+    /// Objects by name, and their places in the world.
+    pub places: Vec<(&'static str, Mat4)>,
+    /// The time of the first animation, s; `None` without one.
+    pub time_s: Option<f32>,
+}
+
+impl Pose {
+    /// The pose before anything moved.
+    pub fn of(start: &Start) -> Self {
+        Self {
+            camera: start.camera.clone(),
+            lights: start.scene.lights.clone(),
+            places: Vec::new(),
+            time_s: None,
+        }
     }
-    Ok(())
 }
 
 /// 0 before the phase, its share within it, and 1 after it.

@@ -8,21 +8,13 @@ use lumivox_render::compare::ErrorFigures;
 use super::figures::{CostSpread, Spread};
 use super::pictures::{AGAINST_COST, BY_STEP, film_name, strip_name};
 use super::published;
-use super::report::{ErrorSpread, SequenceReport};
+use super::report::{Case, ErrorSpread, SequenceReport};
 use crate::cli::MotionArgs;
 
 /// The folder of the pictures, below the page's folder.
 pub const PICTURES: &str = "images/motion";
 /// The width at which an animation is shown, px.
 const SHOWN_WIDTH: u32 = 640;
-
-/// A measurement, and the name of its preset.
-pub struct Case {
-    pub preset: &'static str,
-    pub report: SequenceReport,
-    /// Whether its strip and animation are on the page.
-    pub is_shown: bool,
-}
 
 /// Writes the page. `machine` describes the GPU and the processor, and `resolution` is the number
 /// of voxels along the longest axis.

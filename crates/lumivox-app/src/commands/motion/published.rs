@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::page::Case;
-use super::report::AtStop;
+use super::report::{AtStop, Case};
 use crate::cli::MotionArgs;
 
 /// Published figures of a renderer, from the benchmark three-ss-fidelity by B. Houston, 2026,

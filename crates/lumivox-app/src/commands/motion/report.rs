@@ -9,8 +9,16 @@ use serde::{Deserialize, Serialize};
 
 use super::drive::StepCost;
 use super::figures::{CostSpread, DisplayError, Flicker, Spread};
-use crate::commands::settings;
 use crate::quality::BlockNoise;
+use crate::settings;
+
+/// A measurement, and the name of its preset.
+pub struct Case {
+    pub preset: &'static str,
+    pub report: SequenceReport,
+    /// Whether its strip and animation are on the page.
+    pub is_shown: bool,
+}
 
 /// One sequence with one set of settings.
 #[derive(Clone, Debug, Serialize, Deserialize)]

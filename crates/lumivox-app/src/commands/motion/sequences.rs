@@ -3,13 +3,12 @@
 //! A sequence is data: phases in which something moves or nothing does, and the pose at any moment
 //! of a phase. A pose depends only on the scene at the start and the step.
 
-use glam::Mat4;
 use lumivox_console::Failure;
-use lumivox_scene::{Camera, Light, Scene};
+use lumivox_scene::{LightKind, Scene};
 
 use super::moves::{
-    BLOCK, DOOR, add_door, animation, block, dolly, door, lamp, needs_animation, needs_lamp, orbit,
-    sun, switch,
+    BLOCK, DOOR, Pose, Start, Step, add_door, animation, block, dolly, door, lamp, orbit, sun,
+    switch,
 };
 
 /// The scene that a sequence is made for.
@@ -51,49 +50,6 @@ pub struct Change {
     pub before: usize,
     /// The phase, a hold, whose first step is the first frame after.
     pub after: usize,
-}
-
-/// A moment of a sequence.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
-    /// Its number, from 0.
-    pub index: u32,
-    /// Its phase.
-    pub phase: usize,
-    /// The share of the phase's motion that is done, above 0 to 1.
-    pub share: f32,
-}
-
-/// A scene before anything moves.
-#[derive(Clone, Debug)]
-pub struct Start {
-    pub scene: Scene,
-    pub camera: Camera,
-    /// The length of the scene's first animation, s.
-    pub duration_s: f32,
-}
-
-/// Everything that may move, at one step.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Pose {
-    pub camera: Camera,
-    pub lights: Vec<Light>,
-    /// Objects by name, and their places in the world.
-    pub places: Vec<(&'static str, Mat4)>,
-    /// The time of the first animation, s; `None` without one.
-    pub time_s: Option<f32>,
-}
-
-impl Pose {
-    /// The pose before anything moved.
-    pub fn of(start: &Start) -> Self {
-        Self {
-            camera: start.camera.clone(),
-            lights: start.scene.lights.clone(),
-            places: Vec::new(),
-            time_s: None,
-        }
-    }
 }
 
 /// A sequence of steps, of which each is one frame.
@@ -300,6 +256,30 @@ impl Sequence {
     pub fn pose(&self, start: &Start, step: &Step) -> Pose {
         (self.pose)(start, step)
     }
+}
+
+fn needs_lamp(scene: &mut Scene) -> Result<(), Failure> {
+    let has_lamp =
+        scene.lights.iter().any(|light| !matches!(light.kind, LightKind::Directional { .. }));
+    if has_lamp {
+        return Ok(());
+    }
+    Err(Failure::input(format!(
+        "\"{}\" has no lamp that could move or be switched off; give another scene, or the \
+         sequence orbit (--sequence orbit)",
+        scene.name
+    )))
+}
+
+fn needs_animation(scene: &mut Scene) -> Result<(), Failure> {
+    if scene.animations().is_empty() {
+        return Err(Failure::input(format!(
+            "nothing moves in the scene \"{}\": it has no animation; give {}",
+            scene.name,
+            any_scene()
+        )));
+    }
+    Ok(())
 }
 
 /// The names of the sequences for any scene, in words.

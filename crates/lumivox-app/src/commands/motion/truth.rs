@@ -12,7 +12,7 @@ use lumivox_render::reference::{
 use lumivox_scene::{Camera, Scene};
 
 use super::figures::Known;
-use super::sequences::Pose;
+use super::moves::Pose;
 use crate::progress::ProgressDisplay;
 use crate::quality::check_wish;
 

@@ -5,8 +5,26 @@ use std::fmt;
 use glam::Vec3;
 use lumivox::Preset;
 use lumivox_render::PresetChoice;
+use lumivox_render::compare::{Cost, LayerFigures};
+use serde::{Deserialize, Serialize};
 
 use crate::cli::QualityArgs;
+use crate::commands::kept::Kept;
+use crate::quality::Leak;
+
+/// The folder of the pictures, below the page's folder.
+pub const PICTURES: &str = "images/quality";
+
+/// The result of a measurement.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub struct Entry {
+    pub figures: LayerFigures,
+    pub leak: Option<Leak>,
+    pub cost: Cost,
+}
+
+/// All measurements so far.
+pub type Store = Kept<Entry>;
 
 /// The rotation of a scene against the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

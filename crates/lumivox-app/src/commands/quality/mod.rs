@@ -11,23 +11,17 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use lumivox_console::Failure;
-use lumivox_render::compare::{Cost, LayerFigures};
 use lumivox_render::reference::ReferenceSettings;
 use lumivox_render::{Companions, Gpu, RenderSettings, describe};
 use lumivox_scene::{Scene, builtin};
 
-use super::compare::write_strip;
 use super::kept::Kept;
 use crate::args::output;
 use crate::cli::QualityArgs;
 use crate::host::Host;
 use crate::progress::ProgressDisplay;
-use crate::quality::{Leak, Measured, Subject, Truth, reference, strip};
-use cases::{Case, Rotation, cases};
-use serde::{Deserialize, Serialize};
-
-/// The folder of the pictures, below the page's folder.
-const PICTURES: &str = "images/quality";
+use crate::quality::{Measured, Subject, Truth, reference, strip, write_strip};
+use cases::{Case, Entry, PICTURES, Rotation, cases};
 
 /// Matt scenes that are measured with glossy surfaces, too.
 const GLOSSY: [&str; 5] =
@@ -35,17 +29,6 @@ const GLOSSY: [&str; 5] =
 
 /// A name beside the scenes' names: balls of all materials.
 const MATERIALS: &str = "materials";
-
-/// One measurement.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-struct Entry {
-    figures: LayerFigures,
-    leak: Option<Leak>,
-    cost: Cost,
-}
-
-/// All measurements so far.
-type Store = Kept<Entry>;
 
 /// Makes the missing measurements, and writes the page.
 ///
@@ -57,7 +40,7 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     output::make_folder(&pictures)?;
     let mut store = Kept::open(args.cache.as_deref(), settings_in_words(args))?;
     let mut progress = ProgressDisplay::start(host, "starting");
-    let gpu = host.open_gpu(&args.gpu)?;
+    let gpu = host.open_gpu(&args.gpu.options())?;
     let mut cases = cases(&names, !args.scenes.is_empty(), &args.presets, &args.resolutions);
     if args.kept {
         cases.retain(|case| store.get(&case.key()).is_some());

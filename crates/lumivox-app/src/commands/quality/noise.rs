@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 use crate::cli::QualityArgs;
 use crate::commands::kept::Kept;
 use crate::commands::rooms::room_of;
-use crate::commands::settings;
 use crate::progress::ProgressDisplay;
 use crate::quality::{BLOCK, BlockNoise, Truth, check_wish};
+use crate::settings;
 
 const PRESETS: [Preset; 2] = [Preset::Balanced, Preset::Realtime];
 /// Numbers of frames whose noise is measured.

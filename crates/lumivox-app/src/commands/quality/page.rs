@@ -6,11 +6,10 @@ use lumivox::Preset;
 use lumivox_render::PresetChoice;
 use lumivox_render::compare::{ErrorFigures, LayerFigures};
 
-use super::cases::{Case, Rotation, middle};
+use super::cases::{Case, Entry, PICTURES, Rotation, Store, middle};
 use super::materials;
 use super::noise;
 use super::rooms::Rooms;
-use super::{Entry, PICTURES, Store};
 use crate::cli::QualityArgs;
 use crate::quality::{Point, error_against_cost};
 

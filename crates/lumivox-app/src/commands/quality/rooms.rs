@@ -11,9 +11,9 @@ use crate::commands::kept::Kept;
 use crate::commands::rooms::{
     Meter, RoomFigures, at, by_group, faults, fresh_seed, heading, room_of, row,
 };
-use crate::commands::settings;
 use crate::progress::ProgressDisplay;
 use crate::quality::check_wish;
+use crate::settings;
 
 /// The sets of rooms: a value of `lumivox rooms --kinds`, and the kinds.
 const SETS: [(&str, &[Kind]); 2] = [("plain", &[Kind::Plain]), ("all", &Kind::ALL)];

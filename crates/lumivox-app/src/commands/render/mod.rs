@@ -4,6 +4,7 @@
 //! and its limits; then the scene; then the work.
 
 mod clock;
+mod job;
 mod noise;
 mod report;
 mod sequence;
@@ -13,10 +14,8 @@ use std::cell::OnceCell;
 
 use lumivox::gpu::Timing;
 use lumivox_console::Failure;
-use lumivox_render::{Gpu, RenderSettings};
-use lumivox_scene::{Note, Scene, Sight, SightOptions};
+use lumivox_scene::{Sight, SightOptions};
 
-use super::{light, settings};
 use crate::args::output;
 use crate::args::scene;
 use crate::cli::RenderArgs;
@@ -26,38 +25,9 @@ use crate::sequence::FrameFiles;
 use crate::timeline::{
     AnimationName, PathFile, PictureTimes, Schedule, ScheduleOptions, TimeChoice,
 };
+use crate::{light, settings};
 use clock::Clock;
-
-/// Everything that is needed before the first picture.
-struct RenderJob<'a> {
-    args: &'a RenderArgs,
-    host: &'a Host,
-    is_verbose: bool,
-    settings: RenderSettings,
-    gpu: Gpu,
-    scene: Scene,
-    /// Notes on what was chosen for the scene.
-    notes: Vec<Note>,
-    schedule: Schedule,
-    progress: ProgressDisplay,
-    clock: Clock,
-}
-
-impl RenderJob<'_> {
-    /// `true` if pictures may have fewer frames than the settings say: `--frames` is not given, and
-    /// each frame gathers its light again.
-    fn may_stop(&self) -> bool {
-        let settings = &self.settings;
-        let is_given = self.args.given().iter().any(|(parameter, _)| parameter.name == "frames");
-        !is_given
-            && settings.view.is_light()
-            && !settings.view.is_of_voxels()
-            && settings.look.is_none()
-            && !settings.trace.temporal
-            && !settings.overlay.is_on()
-            && settings.geometry_budget.is_none()
-    }
-}
+use job::RenderJob;
 
 /// Renders, writes and reports.
 ///
@@ -80,7 +50,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
 
     let mut clock = Clock::start();
     let progress = ProgressDisplay::start(host, "loading");
-    let gpu = host.open_gpu(&args.gpu)?;
+    let gpu = host.open_gpu(&args.gpu.options())?;
     settings.validate(&gpu.device.limits())?;
     if args.json || verbosity > 0 {
         settings.timing = Timing::for_device(&gpu.device);

@@ -12,8 +12,8 @@ use lumivox_scene::{Camera, Note, Scene};
 use serde::Serialize;
 
 use super::clock::Seconds;
-use crate::commands::light::REMEDY;
-use crate::commands::settings;
+use crate::light::REMEDY;
+use crate::settings;
 
 /// The report on one picture: its settings and its cost.
 #[derive(Clone, Debug, Serialize)]

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::Context as _;
 use lumivox_render::{RenderProgress, Renderer};
 
-use super::RenderJob;
+use super::job::RenderJob;
 use super::noise::render;
 use super::report::Report;
 use crate::progress::words;

@@ -15,51 +15,21 @@ use std::io::Write as _;
 use std::path::Path;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use clap::builder::TypedValueParser;
 use lumivox_console::Failure;
 use lumivox_console::report::AdapterReport;
-use lumivox_console::values::choices::among;
 use lumivox_scene::rooms::{Kind, Room, room};
 use lumivox_scene::write_atomically;
 use serde::Serialize;
 
-use super::settings;
 use crate::args::output;
 use crate::cli::RoomsArgs;
 use crate::host::Host;
 use crate::progress::ProgressDisplay;
 use crate::quality::check_wish;
+use crate::settings;
 pub use distribution::{at, by_group, faults, heading, row};
 pub use figures::RoomFigures;
 pub use measure::Meter;
-
-/// A value of `--kinds`: a kind, or all of them.
-#[derive(Clone, Copy, Debug)]
-pub struct KindChoice(Option<Kind>);
-
-impl KindChoice {
-    const ALL: [Self; 13] = {
-        let mut all = [Self(None); 13];
-        let mut kind = 0;
-        while kind < Kind::ALL.len() {
-            all[kind + 1] = Self(Some(Kind::ALL[kind]));
-            kind += 1;
-        }
-        all
-    };
-
-    /// Reads the name of a kind.
-    pub fn parser() -> impl TypedValueParser<Value = Self> {
-        among(&Self::ALL, |choice| match choice.0 {
-            None => ("all", "each of the kinds below"),
-            Some(kind) => (kind.name(), kind.summary()),
-        })
-    }
-
-    fn kinds(self) -> Vec<Kind> {
-        self.0.map_or(Kind::ALL.to_vec(), |kind| vec![kind])
-    }
-}
 
 /// A fresh seed: the milliseconds of the clock, which wrap after 49 days.
 pub fn fresh_seed() -> u32 {
@@ -90,7 +60,7 @@ pub fn run(args: &RoomsArgs, host: &Host) -> anyhow::Result<()> {
     let first = args.seed.unwrap_or_else(fresh_seed);
     let start = Instant::now();
     let mut progress = ProgressDisplay::start(host, "starting");
-    let gpu = host.open_gpu(&args.gpu)?;
+    let gpu = host.open_gpu(&args.gpu.options())?;
     progress.stop_on_interrupt(host)?;
     let settings = settings::of(args.preset, args.size, &[])?;
     let meter = Meter::new(&gpu, &progress, &settings, args.frames, args.samples);

@@ -7,23 +7,27 @@ use lumivox::gpu::Timing;
 use lumivox::{Geometry, Gi, GiConfig, GiError, Grid};
 use lumivox_console::report::{AdapterReport, GridReport, SceneCounts, Table, count};
 use lumivox_console::shown;
-use lumivox_explorer::parameters::{Kind, Value};
+use lumivox_explorer::parameters::{Kind, Parameter, Value, find_parameter};
 use lumivox_render::{Gpu, GpuScene, Lighting, RenderSettings, VoxelSet, radiance_unit};
 use serde::Serialize;
 
 use super::picture::{Panel, picture};
-use super::voxelizers;
 use crate::args::camera::resolve;
 use crate::args::output;
 use crate::args::scene;
 use crate::cli::VoxelsArgs;
-use crate::commands::compare::write_strip;
-use crate::commands::settings;
 use crate::host::Host;
 use crate::progress::ProgressDisplay;
+use crate::quality::write_strip;
+use crate::settings;
 
 /// Voxelizations that are timed; the fastest counts.
 const TIMED_RUNS: u32 = 3;
+
+/// The setting `voxelizer`.
+pub fn voxelizers() -> &'static Parameter {
+    find_parameter("voxelizer").unwrap_or_else(|| unreachable!("this program has the classics"))
+}
 
 /// Voxelizes with all voxelizers, compares and reports.
 ///
@@ -37,7 +41,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     let settings = settings::of_voxels(&args.voxels)?;
     scene::check(&args.scene.scene)?;
     let progress = ProgressDisplay::start(host, "loading");
-    let gpu = host.open_gpu(&args.gpu)?;
+    let gpu = host.open_gpu(&args.gpu.options())?;
     let scene = args.scene.load(&progress)?;
     let size = comparison.size;
     let camera = match &comparison.output {

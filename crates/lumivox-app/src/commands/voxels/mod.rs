@@ -14,7 +14,6 @@ use lumivox_console::report::{
     memory_table, total_bytes,
 };
 use lumivox_console::shown;
-use lumivox_explorer::parameters::{Parameter, find_parameter};
 use lumivox_render::{GpuScene, Lighting, RenderError, global_illumination, radiance_unit};
 use lumivox_scene::Scene;
 use serde::Serialize;
@@ -22,9 +21,10 @@ use serde::Serialize;
 use crate::args::camera::resolve;
 use crate::args::scene;
 use crate::cli::VoxelsArgs;
-use crate::commands::settings;
 use crate::host::Host;
 use crate::progress::ProgressDisplay;
+use crate::settings;
+use compare::voxelizers;
 
 /// Voxelizes and reports.
 ///
@@ -37,7 +37,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     let settings = settings::of_voxels(&args.voxels)?;
     scene::check(&args.scene.scene)?;
     let progress = ProgressDisplay::start(host, "loading");
-    let gpu = host.open_gpu(&args.gpu)?;
+    let gpu = host.open_gpu(&args.gpu.options())?;
     let mut scene = args.scene.load(&progress)?;
     if let Some(share) = args.dynamic_share {
         dynamic::mark(&mut scene, share);
@@ -84,11 +84,6 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
         return host.print_json(&report);
     }
     host.print(&report.text())
-}
-
-/// The setting `voxelizer`.
-fn voxelizers() -> &'static Parameter {
-    find_parameter("voxelizer").unwrap_or_else(|| unreachable!("this program has the classics"))
 }
 
 #[derive(Clone, Debug, Serialize)]

@@ -1,5 +1,6 @@
 //! Jobs on other threads: reading a scene, tracing a reference, watching files.
 
+use std::path::Path;
 use std::sync::mpsc::Sender;
 
 use glam::UVec2;
@@ -46,12 +47,13 @@ impl Jobs {
         self.count += 1;
         // Files may change while the scene is read.
         let watched = match &opening.source {
-            SceneSource::File(file) => {
-                reload::watch(file, opening.load.allow_outside, self.orders.clone()).ok()
-            }
+            SceneSource::File(file) => self.watched(file, opening.load.allow_outside).ok(),
             SceneSource::Builtin(_) => None,
         };
-        let mut loading = jobs::load(self.count, opening, is_reload, self.orders.clone());
+        let orders = self.orders.clone();
+        // The receiver is gone if the window was closed.
+        let done = move |loaded| drop(orders.send(Order::Loaded(Box::new(loaded))));
+        let mut loading = jobs::load(self.count, opening, is_reload, done);
         loading.watched = watched;
         self.loading = Some(loading);
     }
@@ -90,7 +92,7 @@ impl Jobs {
         let opening = console.scene_request();
         let opening = opening.map(|opening| (opening.source.clone(), opening.load.allow_outside));
         let Some((SceneSource::File(file), allow_outside)) = opening else { return Ok(()) };
-        match reload::watch(&file, allow_outside, self.orders.clone()) {
+        match self.watched(&file, allow_outside) {
             Ok(watched) => {
                 self.watched = Some(watched);
                 drop(before);
@@ -98,6 +100,12 @@ impl Jobs {
             }
             Err(error) => Err(format!("changes of {} are not noticed: {error}", file.display())),
         }
+    }
+
+    /// A watcher of a scene's files, which sends their changes as orders.
+    fn watched(&self, file: &Path, allow_outside: bool) -> notify::Result<Watched> {
+        let orders = self.orders.clone();
+        reload::watch(file, allow_outside, move || drop(orders.send(Order::FilesChanged)))
     }
 
     /// Whether a reference is being traced.
@@ -117,7 +125,8 @@ impl Jobs {
         self.forget_reference();
         self.count += 1;
         let (gpu, scene, orders) = (explorer.gpu().clone(), scene.clone(), self.orders.clone());
-        self.tracing = Some(jobs::trace(self.count, gpu, scene, key, orders));
+        let done = move |traced| drop(orders.send(Order::Traced(Box::new(traced))));
+        self.tracing = Some(jobs::trace(self.count, gpu, scene, key, done));
         true
     }
 

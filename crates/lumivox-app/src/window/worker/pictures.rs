@@ -12,11 +12,11 @@ use lumivox_render::{
 
 use super::Worker;
 use super::totals::FrameLog;
-use crate::commands::light::REMEDY;
+use crate::light::REMEDY;
 use crate::progress::words;
 use crate::window::jobs::Traced;
-use crate::window::model::{Comparand, LightAt, LogKind, RENDERING, Shown};
-use crate::window::screen::{Pixels, Screen};
+use crate::window::model::{Comparand, LightAt, LogKind, RENDERING};
+use crate::window::screen::{Pixels, Screen, Shown};
 
 /// The pictures on the screen, and which frame is next.
 pub struct Pictures {

@@ -4,8 +4,6 @@ use lumivox_console::report::Table;
 use lumivox_scene::{Camera, Environment, Light, LightKind, Scene};
 use serde::Serialize;
 
-use super::point;
-
 /// The report on a light.
 #[derive(Clone, Debug, Serialize)]
 pub struct LightReport {
@@ -125,4 +123,9 @@ pub fn camera_table(cameras: &[CameraReport]) -> Table {
         ]);
     }
     table
+}
+
+/// Coordinates in words.
+pub fn point([x, y, z]: [f64; 3]) -> String {
+    format!("({x:.3}, {y:.3}, {z:.3})")
 }

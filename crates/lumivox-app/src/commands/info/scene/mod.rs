@@ -16,7 +16,7 @@ use lumivox_render::{MemoryEstimate, RenderSettings};
 use lumivox_scene::{AlphaMode, Material, Mesh, Scene, Sight, SightOptions};
 use serde::Serialize;
 
-use lights::{CameraReport, LightReport, PanoramaReport, camera_table, light_table};
+use lights::{CameraReport, LightReport, PanoramaReport, camera_table, light_table, point};
 use materials::{MaterialReport, TextureReport, material_table, texture_table};
 
 /// The most rows of a table for people; JSON has all.
@@ -366,8 +366,4 @@ fn bytes_of(mesh: &Mesh) -> u64 {
         + size_of_val(mesh.colors.as_slice())
         + size_of_val(mesh.indices.as_slice());
     bytes as u64
-}
-
-fn point([x, y, z]: [f64; 3]) -> String {
-    format!("({x:.3}, {y:.3}, {z:.3})")
 }

@@ -6,7 +6,8 @@
 use lumivox_render::{Exposure, Picture, RenderProgress, RenderSettings, Renderer};
 use lumivox_scene::{Camera, Places};
 
-use crate::commands::render::{RenderJob, noise};
+use crate::commands::render::job::RenderJob;
+use crate::commands::render::noise;
 use crate::progress::{ProgressDisplay, words};
 use crate::timeline::History;
 

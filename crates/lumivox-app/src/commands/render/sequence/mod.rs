@@ -16,11 +16,12 @@ use lumivox_render::{Exposure, Metering};
 use lumivox_scene::Scene;
 use serde_json::{Map, Value, json};
 
+use super::job::RenderJob;
 use super::report::{CameraReport, NoteReport, RendererReport};
-use super::{RenderJob, light};
 use crate::cli::RenderArgs;
-use crate::commands::settings;
+use crate::light;
 use crate::sequence::{Frame, FrameFiles, Index, Start};
+use crate::settings;
 use crate::timeline::{History, Moments, PathFile, PictureTimes};
 use film::{Film, Step};
 use report::Report;

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::commands::render::clock::Seconds;
 use crate::commands::render::report::{NoteReport, RendererReport};
-use crate::commands::settings;
+use crate::settings;
 
 /// The report on a sequence.
 #[derive(Clone, Debug, Serialize)]
