@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 
 use egui::{CentralPanel, Frame, Panel, TextureId, Ui};
 use glam::{UVec2, Vec2};
-use lumivox_explorer::REST;
 use lumivox_explorer::parameters::{Parameter, Value};
 use lumivox_render::GpuId;
 use lumivox_scene::Camera;
@@ -21,24 +20,13 @@ use super::panels::{self, console, files};
 use super::screen::PICTURES;
 use super::{camera, theme};
 
-/// Time without motion until the camera's line is sent: just before pictures become sharp, which
-/// the line would otherwise restart.
-const SETTLED: Duration = REST.saturating_sub(Duration::from_millis(50));
-
-/// A camera that the user is moving.
-#[derive(Clone, Debug)]
-struct Motion {
-    camera: Camera,
-    moved: Instant,
-    /// Number of the line with its final place; `None` until it is sent.
-    told: Option<u64>,
-}
+/// Time without motion until the camera's line is logged.
+const SETTLED: Duration = Duration::from_millis(250);
 
 /// The model's counts of changes that the window has handled.
 #[derive(Clone, Debug, Default)]
 struct Seen {
     opened: u64,
-    camera_moves: u64,
     selections: u64,
     command_lines: u64,
     source: String,
@@ -62,7 +50,6 @@ pub struct App {
     /// The worker's published state.
     pub published: Published,
     outbox: Outbox,
-    motion: Option<Motion>,
     /// The selected object or light.
     pub selected: Option<Selected>,
     /// The mode of the handles.
@@ -101,7 +88,6 @@ impl App {
             textures: [None; PICTURES],
             published: Published::default(),
             outbox: Outbox::new(orders, shared),
-            motion: None,
             selected: None,
             gizmo: gizmo::Mode::default(),
             drag: None,
@@ -120,32 +106,19 @@ impl App {
 
     /// Fetches the published state, and handles its changes.
     pub fn look(&mut self) -> Published {
-        self.published = self.outbox.published();
+        self.published = self.outbox.look();
         let model = self.published.model.clone();
         if model.opened != self.seen.opened {
             // Drags belong to the last scene.
             self.seen.opened = model.opened;
-            self.motion = None;
             self.drag = None;
-            self.outbox.forget_held();
         }
-        if model.camera_moves != self.seen.camera_moves {
-            self.seen.camera_moves = model.camera_moves;
-            // A command overrides motion that began before it.
-            if self.motion.as_ref().is_some_and(|motion| motion.told.is_none()) {
-                self.motion = None;
-            }
-        }
-        self.outbox.done(model.lines_done);
         if model.selections != self.seen.selections {
             self.seen.selections = model.selections;
             self.selected.clone_from(&model.selected);
             if self.frames_after.take().is_some() && self.selected.is_some() {
                 panels::picture::frame_selection(self, &model);
             }
-        }
-        if self.motion.as_ref().and_then(|m| m.told).is_some_and(|line| line <= model.lines_done) {
-            self.motion = None;
         }
         let source = model.scene.as_ref().map(|scene| scene.source.clone()).unwrap_or_default();
         if !source.is_empty() && source != self.seen.source {
@@ -180,21 +153,12 @@ impl App {
 
     /// Sends the line of a button, a slider or a key; returns its number.
     pub fn line(&mut self, text: impl Into<String>) -> u64 {
-        self.send(text.into(), Origin::Panel)
+        self.outbox.line(text.into(), Origin::Panel)
     }
 
     /// Sends a line as if typed into the console.
     pub fn typed_line(&mut self, text: impl Into<String>) {
-        self.send(text.into(), Origin::Pane);
-    }
-
-    fn send(&mut self, text: String, origin: Origin) -> u64 {
-        let (line, info) = self.outbox.line(text, origin);
-        if info.moves_camera {
-            // The line moves the camera elsewhere.
-            self.motion = None;
-        }
-        line
+        self.outbox.line(text.into(), Origin::Pane);
     }
 
     /// Opens a scene's file.
@@ -265,33 +229,24 @@ impl App {
 
     /// The camera, as the user is moving it or else as published.
     pub fn camera(&self) -> Camera {
-        match &self.motion {
-            Some(motion) => motion.camera.clone(),
-            None => self.published.model.camera.clone(),
-        }
+        self.outbox.camera(&self.published.model)
     }
 
     /// Moves the camera interactively.
     pub fn move_camera(&mut self, camera: Camera) {
-        self.order(Order::Camera(camera.clone(), self.seen.opened));
-        self.motion = Some(Motion { camera, moved: Instant::now(), told: None });
+        self.outbox.move_camera(camera);
     }
 
-    /// Sends the camera's line once it has come to rest.
-    fn settle_camera(&mut self, ui: &Ui) {
-        let Some(motion) = &self.motion else { return };
-        if motion.told.is_some() {
-            return;
-        }
-        if motion.moved.elapsed() < SETTLED || ui.input(|input| input.pointer.any_down()) {
+    /// Logs the camera's line once it has come to rest.
+    fn log_camera(&mut self, ui: &Ui) {
+        let Some(moved) = self.outbox.camera_moved() else { return };
+        if moved.elapsed() < SETTLED || ui.input(|input| input.pointer.any_down()) {
             ui.ctx().request_repaint_after(SETTLED);
             return;
         }
-        let camera = motion.camera.clone();
-        let pivot = panels::picture::pivot(self);
+        let (camera, pivot) = (self.camera(), panels::picture::pivot(self));
         let distance_m = (pivot - camera.position).dot(camera.forward).max(1.0);
-        let (moved, told) = (motion.moved, self.line(camera::command(&camera, distance_m)));
-        self.motion = Some(Motion { camera, moved, told: Some(told) });
+        self.outbox.log_camera(camera::command(&camera, distance_m));
     }
 
     /// Sets the space for the picture, px.
@@ -370,7 +325,7 @@ impl App {
         if self.has_help {
             panels::help::show(ui, self);
         }
-        self.settle_camera(ui);
+        self.log_camera(ui);
         if let Some(line) = self.dialogs.chosen() {
             self.typed_line(line);
         }

@@ -51,8 +51,8 @@ pub struct Model {
     pub selected: Option<Selected>,
     /// Counts scenes that were opened.
     pub opened: u64,
-    /// Counts lines that have moved the camera.
-    pub camera_moves: u64,
+    /// Number of the window's last camera that was set.
+    pub cameras_done: u64,
     /// Counts changes of the selection.
     pub selections: u64,
     /// World position of the last click on the scene.

@@ -20,8 +20,17 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 pub enum Order {
     /// Run this line.
     Line(Line),
-    /// The user is moving the camera, in the scene of this number.
-    Camera(Camera, u64),
+    /// The user is moving the camera.
+    Camera {
+        /// The camera.
+        camera: Camera,
+        /// [`Model::opened`] of its scene.
+        scene: u64,
+        /// Its number among the window's cameras.
+        number: u64,
+    },
+    /// Log this line, which sets the camera as the user has moved it.
+    CameraLine(String),
     /// Render pictures of this size, px.
     Size(UVec2),
     /// Select the object at this place of the picture, as shares of its width and height.

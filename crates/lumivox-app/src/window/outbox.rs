@@ -1,14 +1,17 @@
-//! Sends lines and orders to the worker, and keeps pending values until their lines are done.
+//! Sends lines and orders to the worker, and keeps pending values until the model has them.
 
 use std::collections::HashMap;
 use std::sync::mpsc::Sender;
+use std::time::Instant;
 
 use glam::UVec2;
 use lumivox_console::LineInfo;
 use lumivox_explorer::parameters::Value;
 use lumivox_render::GpuId;
+use lumivox_scene::Camera;
 
 use super::lines::{Line, Origin};
+use super::model::Model;
 use super::orders::{Order, Published, Shared};
 
 /// A value that was sent but is not in the model yet; panels show it until then.
@@ -26,6 +29,13 @@ pub struct Outbox {
     /// Number of the current gesture; it changes with every frame in which no button is held.
     gesture: u64,
     held: HashMap<String, (PendingValue, u64)>,
+    /// [`Model::opened`] of the scene that the pending values belong to.
+    scene: u64,
+    cameras_sent: u64,
+    /// The camera that was sent last, and its number.
+    camera: Option<(Camera, u64)>,
+    /// When the user last moved the camera; `None` once its line is logged.
+    moved: Option<Instant>,
     size: UVec2,
     device: Option<GpuId>,
     shown: u64,
@@ -40,6 +50,10 @@ impl Outbox {
             lines_sent: 0,
             gesture: 1,
             held: HashMap::new(),
+            scene: 0,
+            cameras_sent: 0,
+            camera: None,
+            moved: None,
             size: UVec2::ZERO,
             device: None,
             shown: 0,
@@ -47,9 +61,18 @@ impl Outbox {
         }
     }
 
-    /// The state that the worker has published.
-    pub fn published(&self) -> Published {
-        self.shared.get()
+    /// The state that the worker has published. Drops pending values that it contains.
+    pub fn look(&mut self) -> Published {
+        let published = self.shared.get();
+        let model = &published.model;
+        if model.opened != self.scene {
+            self.scene = model.opened;
+            self.held.clear();
+            (self.camera, self.moved) = (None, None);
+        }
+        self.held.retain(|_, (_, line)| *line > model.lines_done);
+        self.camera.take_if(|(_, number)| *number <= model.cameras_done);
+        published
     }
 
     /// Whether the worker has ended.
@@ -66,8 +89,8 @@ impl Outbox {
         let _ = self.orders.send(order);
     }
 
-    /// Sends a line. Returns its number and its [`LineInfo`].
-    pub fn line(&mut self, text: String, origin: Origin) -> (u64, LineInfo) {
+    /// Sends a line, and returns its number.
+    pub fn line(&mut self, text: String, origin: Origin) -> u64 {
         let info = LineInfo::of(&text);
         if info.urgency.is_some() {
             self.shared.stop();
@@ -75,7 +98,10 @@ impl Outbox {
         self.lines_sent += 1;
         let gesture = if origin == Origin::Panel { self.gesture } else { 0 };
         self.order(Order::Line(Line { text, origin, serial: self.lines_sent, gesture }));
-        (self.lines_sent, info)
+        if info.moves_camera {
+            self.moved = None;
+        }
+        self.lines_sent
     }
 
     /// Ends the gesture: later lines are another step for `undo`.
@@ -125,13 +151,29 @@ impl Outbox {
         self.held.get(key).map(|(held, _)| *held)
     }
 
-    /// Drops pending values of lines up to this number, which are done.
-    pub fn done(&mut self, lines: u64) {
-        self.held.retain(|_, (_, line)| *line > lines);
+    /// The pending camera, or else the model's.
+    pub fn camera(&self, model: &Model) -> Camera {
+        self.camera.as_ref().map_or(&model.camera, |(camera, _)| camera).clone()
     }
 
-    /// Drops all pending values, since another scene was opened.
-    pub fn forget_held(&mut self) {
-        self.held.clear();
+    /// Moves the camera interactively.
+    pub fn move_camera(&mut self, camera: Camera) {
+        let camera = Camera { name: "window".to_owned(), ..camera };
+        self.cameras_sent += 1;
+        let (scene, number) = (self.scene, self.cameras_sent);
+        self.order(Order::Camera { camera: camera.clone(), scene, number });
+        self.camera = Some((camera, number));
+        self.moved = Some(Instant::now());
+    }
+
+    /// When the user last moved the camera; `None` once its line is logged.
+    pub fn camera_moved(&self) -> Option<Instant> {
+        self.moved
+    }
+
+    /// Logs the line that sets the camera as the user has moved it.
+    pub fn log_camera(&mut self, line: String) {
+        self.moved = None;
+        self.order(Order::CameraLine(line));
     }
 }

@@ -192,11 +192,16 @@ impl Worker {
                     }
                 },
                 // Motion that began in the last scene.
-                Order::Camera(_, scene) if scene != self.session.opened => {}
-                Order::Camera(camera, _) => {
+                Order::Camera { scene, .. } if scene != self.session.opened => {}
+                Order::Camera { camera, number, .. } => {
+                    self.session.cameras_done = number;
                     self.console.explorer.pacing.camera_dragged();
                     self.console.explorer.set_camera(camera);
                     self.start_again();
+                }
+                Order::CameraLine(text) => {
+                    let line = Line { text, origin: Origin::Panel, serial: 0, gesture: 0 };
+                    self.messages.log.add_command(&line);
                 }
                 Order::Size(size) => {
                     self.pictures.set_full_size(size);

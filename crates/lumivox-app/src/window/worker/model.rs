@@ -39,7 +39,7 @@ impl Worker {
             revoxelize: explorer.revoxelize,
             selected: session.selection.selected.clone(),
             opened: session.opened,
-            camera_moves: session.camera_moves,
+            cameras_done: session.cameras_done,
             selections: session.selection.changes,
             picked_at: session.selection.picked_at,
             comparand: pictures.comparand,

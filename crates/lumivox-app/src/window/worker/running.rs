@@ -60,7 +60,6 @@ impl Worker {
             return;
         }
         self.messages.log.add_command(line);
-        let camera = self.console.explorer.camera().clone();
         if self.lines.begins_gesture(line) {
             self.console.explorer.end_gesture();
         }
@@ -80,10 +79,6 @@ impl Worker {
                     self.lines.abandon();
                 }
             }
-        }
-        // The window knows the moves of its own lines.
-        if line.origin != Origin::Panel && *self.console.explorer.camera() != camera {
-            self.session.camera_moves += 1;
         }
         self.pictures.set_full_size(self.console.explorer.size());
         self.note_edits(&line.text);

@@ -13,8 +13,8 @@ use crate::window::model::{SceneModel, Selected, mesh_bounds, scene_model};
 pub struct Session {
     /// Number of scenes opened so far.
     pub opened: u64,
-    /// Number of lines that have moved the camera.
-    pub camera_moves: u64,
+    /// Number of the window's last camera that was set.
+    pub cameras_done: u64,
     /// `true` if materials, lights or surroundings were changed since the scene was read.
     pub has_edits: bool,
     pub selection: Selection,
