@@ -1,36 +1,20 @@
 //! The window's state and layout.
 
-use std::path::Path;
 use std::sync::mpsc::Sender;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use egui::{CentralPanel, Frame, Panel, TextureId, Ui};
-use glam::{UVec2, Vec2};
-use lumivox_explorer::parameters::{Parameter, Value};
-use lumivox_render::GpuId;
-use lumivox_scene::Camera;
+use egui::{CentralPanel, Frame, Panel, Ui};
+use glam::UVec2;
 
 use super::config::Config;
-use super::gizmo;
-use super::lines::{Origin, quoted};
-use super::model::{LogKind, Model, Selected};
+use super::model::LogKind;
 use super::orders::{Order, Published, Shared};
-use super::outbox::{Outbox, PendingValue};
-use super::panels::{self, console, files};
-use super::screen::PICTURES;
-use super::{camera, theme};
+use super::outbox::Outbox;
+use super::panels::{self, console, files, picture};
+use super::{camera, keys, selection, theme};
 
 /// Time without motion until the camera's line is logged.
 const SETTLED: Duration = Duration::from_millis(250);
-
-/// The model's counts of changes that the window has handled.
-#[derive(Clone, Debug, Default)]
-struct Seen {
-    opened: u64,
-    selections: u64,
-    command_lines: u64,
-    source: String,
-}
 
 /// A scene's source with an absolute path, which is valid in any working folder.
 fn absolute(source: &str) -> String {
@@ -45,36 +29,25 @@ fn absolute(source: &str) -> String {
 pub struct App {
     /// State that is saved between runs.
     pub config: Config,
-    /// The pictures' textures.
-    pub textures: [Option<TextureId>; PICTURES],
+    /// The sender of orders.
+    pub outbox: Outbox,
+    /// State of the picture's panel.
+    pub picture: picture::State,
     /// The worker's published state.
-    pub published: Published,
-    outbox: Outbox,
-    /// The selected object or light.
-    pub selected: Option<Selected>,
-    /// The mode of the handles.
-    pub gizmo: gizmo::Mode,
-    /// The handle that is being dragged.
-    pub drag: Option<gizmo::Drag>,
-    /// Position of the split, as a share of the picture's width.
-    pub split: f32,
+    published: Published,
     /// Filter of the object list: names must contain it.
-    pub filter: String,
-    /// The console.
-    pub console: console::State,
-    /// `true` while the help is open.
-    pub has_help: bool,
-    /// The system's file dialogs.
-    pub dialogs: files::Dialogs,
-    seen: Seen,
-    /// `Some` if the next selection is to be framed: the count of selections at the request.
-    frames_after: Option<u64>,
-    /// The last light probe: place, number of the picture, and time.
-    pub probed: Option<(Vec2, u64, Instant)>,
+    filter: String,
     /// The name to store a camera under.
-    pub camera_name: String,
-    /// [`Model::opened`] of the scene whose hint was closed.
-    pub closed_hint: u64,
+    camera_name: String,
+    console: console::State,
+    /// `true` while the help is open.
+    has_help: bool,
+    /// The system's file dialogs.
+    dialogs: files::Dialogs,
+    /// The number of the last command line that was copied.
+    copied: u64,
+    /// The source of the last scene.
+    source: String,
 }
 
 impl App {
@@ -85,52 +58,30 @@ impl App {
         }
         Self {
             config,
-            textures: [None; PICTURES],
-            published: Published::default(),
             outbox: Outbox::new(orders, shared),
-            selected: None,
-            gizmo: gizmo::Mode::default(),
-            drag: None,
-            split: 0.5,
+            picture: picture::State::default(),
+            published: Published::default(),
             filter: String::new(),
+            camera_name: String::new(),
             console: console::State::default(),
             has_help: false,
             dialogs: files::Dialogs::default(),
-            seen: Seen::default(),
-            frames_after: None,
-            probed: None,
-            camera_name: String::new(),
-            closed_hint: 0,
+            copied: 0,
+            source: String::new(),
         }
     }
 
     /// Fetches the published state, and handles its changes.
     pub fn look(&mut self) -> Published {
         self.published = self.outbox.look();
-        let model = self.published.model.clone();
-        if model.opened != self.seen.opened {
-            // Drags belong to the last scene.
-            self.seen.opened = model.opened;
-            self.drag = None;
-        }
-        if model.selections != self.seen.selections {
-            self.seen.selections = model.selections;
-            self.selected.clone_from(&model.selected);
-            if self.frames_after.take().is_some() && self.selected.is_some() {
-                panels::picture::frame_selection(self, &model);
-            }
-        }
-        let source = model.scene.as_ref().map(|scene| scene.source.clone()).unwrap_or_default();
-        if !source.is_empty() && source != self.seen.source {
-            self.config.note_recent(&absolute(&source));
-            self.seen.source = source;
+        let model = &self.published.model;
+        self.picture.look(model, &mut self.outbox);
+        let source = model.scene.as_ref().map(|scene| scene.source.as_str()).unwrap_or_default();
+        if !source.is_empty() && source != self.source {
+            self.config.note_recent(&absolute(source));
+            source.clone_into(&mut self.source);
         }
         self.published.clone()
-    }
-
-    /// Whether the worker has ended.
-    pub fn has_ended(&self) -> bool {
-        self.outbox.has_ended()
     }
 
     /// Saves the state that is kept between runs.
@@ -138,103 +89,11 @@ impl App {
         // Include changes since the last frame; without a model, the saved settings stay.
         self.look();
         if self.published.has_model {
-            let model = self.published.model.clone();
-            self.config.keep_settings(&model);
+            self.config.keep_settings(&self.published.model);
         }
         if let Err(error) = self.config.save() {
             tracing::warn!("the window's settings cannot be kept: {error:#}");
         }
-    }
-
-    /// Sends the worker an order.
-    pub fn order(&self, order: Order) {
-        self.outbox.order(order);
-    }
-
-    /// Sends the line of a button, a slider or a key; returns its number.
-    pub fn line(&mut self, text: impl Into<String>) -> u64 {
-        self.outbox.line(text.into(), Origin::Panel)
-    }
-
-    /// Sends a line as if typed into the console.
-    pub fn typed_line(&mut self, text: impl Into<String>) {
-        self.outbox.line(text.into(), Origin::Pane);
-    }
-
-    /// Opens a scene's file.
-    pub fn open_file(&mut self, file: &Path) {
-        self.open_source(&file.display().to_string());
-    }
-
-    /// Opens a scene, named as on the command line.
-    pub fn open_source(&mut self, source: &str) {
-        self.typed_line(format!("load {}", quoted(source)));
-    }
-
-    /// A parameter's pending value, or else its current one.
-    pub fn value(&self, parameter: &Parameter, model: &Model) -> Value {
-        match self.outbox.held(parameter.name) {
-            Some(PendingValue::Value(value)) => value,
-            _ => parameter.get(&model.settings),
-        }
-    }
-
-    /// Sets a parameter.
-    pub fn set_value(&mut self, parameter: &Parameter, value: Value) {
-        let line = self.line(format!("{} {value}", parameter.name));
-        self.outbox.hold(parameter.name, PendingValue::Value(value), line);
-    }
-
-    /// The pending numbers of `key`, or else `now`.
-    pub fn numbers<const N: usize>(&self, key: &str, now: [f32; N]) -> [f32; N] {
-        match self.outbox.held(key) {
-            Some(PendingValue::Numbers(held)) => {
-                std::array::from_fn(|i| held.get(i).copied().unwrap_or(now[i]))
-            }
-            _ => now,
-        }
-    }
-
-    /// Sets numbers by a command; up to nine of them are pending until it is done.
-    pub fn set_numbers<const N: usize>(&mut self, key: &str, numbers: [f32; N], command: String) {
-        let line = self.line(command);
-        let held = std::array::from_fn(|i| numbers.get(i).copied().unwrap_or(0.0));
-        self.outbox.hold(key, PendingValue::Numbers(held), line);
-    }
-
-    /// Sets the selection.
-    pub fn select(&mut self, selected: Option<Selected>) {
-        if selected != self.selected {
-            self.line(match &selected {
-                Some(Selected::Object(name)) => format!("select {}", quoted(name)),
-                Some(Selected::Light(name)) => format!("select light {}", quoted(name)),
-                None => "select".to_owned(),
-            });
-            self.selected = selected;
-        }
-    }
-
-    /// The light under the pointer; `None` until it is measured.
-    pub fn light_under_pointer(&self) -> Option<lumivox_render::Photometry> {
-        let (at, ..) = self.probed?;
-        // Until then, show the light of a place nearby.
-        let near = |light: &&super::model::LightAt| light.at.distance(at) < 0.02;
-        self.published.light.as_ref().filter(near)?.light
-    }
-
-    /// Frames the next selection.
-    pub fn frame_next_choice(&mut self) {
-        self.frames_after = Some(self.seen.selections);
-    }
-
-    /// The camera, as the user is moving it or else as published.
-    pub fn camera(&self) -> Camera {
-        self.outbox.camera(&self.published.model)
-    }
-
-    /// Moves the camera interactively.
-    pub fn move_camera(&mut self, camera: Camera) {
-        self.outbox.move_camera(camera);
     }
 
     /// Logs the camera's line once it has come to rest.
@@ -244,34 +103,20 @@ impl App {
             ui.ctx().request_repaint_after(SETTLED);
             return;
         }
-        let (camera, pivot) = (self.camera(), panels::picture::pivot(self));
+        let model = &self.published.model;
+        let camera = self.outbox.camera(model);
+        let pivot = selection::pivot(model, &self.outbox);
         let distance_m = (pivot - camera.position).dot(camera.forward).max(1.0);
         self.outbox.log_camera(camera::command(&camera, distance_m));
-    }
-
-    /// Sets the space for the picture, px.
-    pub fn set_room(&mut self, size: UVec2) {
-        let size = if self.config.half_size { size / 2 } else { size };
-        self.outbox.set_size(size.max(UVec2::ONE));
-    }
-
-    /// Sets the device that the window draws with.
-    pub fn set_device(&mut self, device: GpuId) {
-        self.outbox.set_device(device);
-    }
-
-    /// Sets the number of the newest picture that the window shows.
-    pub fn set_shown(&mut self, serial: u64) {
-        self.outbox.set_shown(serial);
     }
 
     /// Lays out the window.
     pub fn show(&mut self, ui: &mut Ui) {
         let model = self.published.model.clone();
         if let Some((number, line)) = &model.command_line
-            && *number != self.seen.command_lines
+            && *number != self.copied
         {
-            self.seen.command_lines = *number;
+            self.copied = *number;
             ui.ctx().copy_text(line.clone());
         }
         let is_held = |input: &egui::InputState| {
@@ -281,53 +126,65 @@ impl App {
         if !ui.input(is_held) {
             self.outbox.end_gesture();
         }
-        self.keys(ui, &model);
+        let Self { config, outbox, picture, dialogs, has_help, .. } = self;
+        keys::handle(ui, &model, config, dialogs, has_help, &mut picture.mode, outbox);
         let bar = Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 4));
-        Panel::top("menu").frame(bar).show(ui, |ui| panels::menu::show(ui, &model, self));
-        Panel::bottom("status").frame(bar).show(ui, |ui| panels::status::show(ui, &model, self));
+        let menu = Panel::top("menu").frame(bar);
+        *has_help |=
+            menu.show(ui, |ui| panels::menu::show(ui, &model, config, dialogs, outbox)).inner;
+        let light = picture.light_under_pointer(&self.published);
+        Panel::bottom("status")
+            .frame(bar)
+            .show(ui, |ui| panels::status::show(ui, &self.published, light, outbox));
         let side = Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(6, 4));
-        if self.config.left {
+        if config.left {
             let panel =
                 Panel::left("left").frame(side).default_size(256.0).size_range(200.0..=420.0);
-            panel.show(ui, |ui| panels::left(ui, &model, self));
+            let (filter, mode) = (&mut self.filter, &mut picture.mode);
+            panel.show(ui, |ui| panels::left(ui, &model, filter, mode, outbox));
         }
         let mut is_timed = false;
-        if self.config.right {
+        if config.right {
             let panel =
                 Panel::right("right").frame(side).default_size(296.0).size_range(260.0..=460.0);
-            panel.show(ui, |ui| is_timed = panels::right(ui, &model, self));
+            let name = &mut self.camera_name;
+            is_timed = panel.show(ui, |ui| panels::right(ui, &model, config, name, outbox)).inner;
         }
         // Measure stage times only while they are shown.
-        self.outbox.set_timed(is_timed);
-        if self.config.console {
+        outbox.set_timed(is_timed);
+        if config.console {
             let deep = Frame::new().fill(theme::DEEP).inner_margin(egui::Margin::symmetric(8, 4));
             let panel = Panel::bottom("console").frame(deep).resizable(true);
             let panel = panel.default_size(120.0).size_range(70.0..=400.0);
-            panel.show(ui, |ui| console::show(ui, &model, self));
+            panel.show(ui, |ui| console::show(ui, &model, &mut self.console, outbox));
         }
         if model.playback.animation.is_some() {
-            Panel::bottom("animation")
-                .frame(bar)
-                .show(ui, |ui| panels::animation::show(ui, &model, self));
+            let panel = Panel::bottom("animation").frame(bar);
+            panel.show(ui, |ui| panels::animation::show(ui, &model, outbox));
         }
         let deep = Frame::new().fill(theme::DEEP);
         CentralPanel::no_frame().frame(deep).show(ui, |ui| {
             // Also without a scene, so that its first picture has this size.
             let room = ui.available_rect_before_wrap().size() * ui.ctx().pixels_per_point();
             if room.x >= 1.0 && room.y >= 1.0 {
-                self.set_room(UVec2::new(room.x as u32, room.y as u32));
+                let size = UVec2::new(room.x as u32, room.y as u32);
+                let size = if config.half_size { size / 2 } else { size };
+                outbox.set_size(size.max(UVec2::ONE));
             }
             match &model.scene {
-                Some(scene) => panels::picture::show(ui, &model, scene, self),
-                None => panels::welcome::show(ui, &model, self),
+                Some(scene) => {
+                    let (published, speed) = (&self.published, &mut config.speed);
+                    picture::show(ui, published, scene, picture, speed, outbox);
+                }
+                None => panels::welcome::show(ui, &model, &config.recent, dialogs, outbox),
             }
         });
-        if self.has_help {
-            panels::help::show(ui, self);
+        if *has_help && panels::help::show(ui) {
+            *has_help = false;
         }
         self.log_camera(ui);
         if let Some(line) = self.dialogs.chosen() {
-            self.typed_line(line);
+            self.outbox.typed_line(line);
         }
         if self.dialogs.are_open() {
             ui.ctx().request_repaint_after(Duration::from_millis(200));

@@ -67,7 +67,7 @@ pub fn run(event_loop: EventLoop<Wake>, start: Start) -> anyhow::Result<()> {
         error: None,
     };
     event_loop.run_app(&mut handler)?;
-    handler.app.order(Order::Quit);
+    handler.app.outbox.order(Order::Quit);
     // Close the window before waiting for the worker.
     handler.open = None;
     let ended = super::join(thread, PATIENCE);
@@ -159,9 +159,9 @@ impl Handler {
             return;
         }
         if let Some(device) = surface.device() {
-            self.app.set_device(device);
+            self.app.outbox.set_device(device);
         }
-        self.app.textures = [
+        self.app.picture.textures = [
             surface.set_picture(0, published.picture.clone()),
             surface.set_picture(1, published.other.clone()),
         ];
@@ -186,7 +186,7 @@ impl Handler {
             self.fail(event_loop, error);
             return;
         }
-        self.app.set_shown(surface.shown());
+        self.app.outbox.set_shown(surface.shown());
         if is_closing {
             event_loop.exit();
         }
@@ -218,7 +218,7 @@ impl ApplicationHandler<Wake> for Handler {
         match wake {
             Wake::Published => {
                 // A minimized window gets no redraws, so check for the worker's end here.
-                if self.app.has_ended() {
+                if self.app.outbox.has_ended() {
                     event_loop.exit();
                 }
             }
@@ -245,7 +245,7 @@ impl ApplicationHandler<Wake> for Handler {
             WindowEvent::RedrawRequested => self.paint(event_loop),
             WindowEvent::Resized(_) => open.window.request_redraw(),
             WindowEvent::DroppedFile(file) => {
-                self.app.open_file(&file);
+                self.app.outbox.open(&file.display().to_string());
                 open.window.request_redraw();
             }
             _ if response.repaint => open.window.request_redraw(),

@@ -19,6 +19,7 @@
 //! | `worker/` | the thread that renders |
 //! | `model.rs` | the snapshot for the panels |
 //! | `keys.rs` | keyboard shortcuts |
+//! | `selection.rs` | the selected object or light, and the camera around it |
 //! | `lines.rs` | lines to be run by the console |
 //! | `terminal.rs` | the terminal beside the window |
 //! | `jobs.rs`, `reload.rs` | background jobs: reading scenes, references, watching files |
@@ -42,6 +43,7 @@ mod panels;
 mod priority;
 mod reload;
 mod screen;
+mod selection;
 mod surface;
 mod terminal;
 mod theme;

@@ -6,17 +6,17 @@ use std::time::Instant;
 
 use glam::UVec2;
 use lumivox_console::LineInfo;
-use lumivox_explorer::parameters::Value;
+use lumivox_explorer::parameters::{Parameter, Value};
 use lumivox_render::GpuId;
 use lumivox_scene::Camera;
 
-use super::lines::{Line, Origin};
-use super::model::Model;
+use super::lines::{Line, Origin, quoted};
+use super::model::{Model, Selected};
 use super::orders::{Order, Published, Shared};
 
 /// A value that was sent but is not in the model yet; panels show it until then.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PendingValue {
+enum PendingValue {
     Value(Value),
     Numbers([f32; 9]),
 }
@@ -31,6 +31,9 @@ pub struct Outbox {
     held: HashMap<String, (PendingValue, u64)>,
     /// [`Model::opened`] of the scene that the pending values belong to.
     scene: u64,
+    selected: Option<Selected>,
+    /// [`Model::selections`] of the last model.
+    selections: u64,
     cameras_sent: u64,
     /// The camera that was sent last, and its number.
     camera: Option<(Camera, u64)>,
@@ -51,6 +54,8 @@ impl Outbox {
             gesture: 1,
             held: HashMap::new(),
             scene: 0,
+            selected: None,
+            selections: 0,
             cameras_sent: 0,
             camera: None,
             moved: None,
@@ -72,6 +77,10 @@ impl Outbox {
         }
         self.held.retain(|_, (_, line)| *line > model.lines_done);
         self.camera.take_if(|(_, number)| *number <= model.cameras_done);
+        if model.selections != self.selections {
+            self.selections = model.selections;
+            self.selected.clone_from(&model.selected);
+        }
         published
     }
 
@@ -89,8 +98,23 @@ impl Outbox {
         let _ = self.orders.send(order);
     }
 
+    /// Sends the line of a button, a slider or a key.
+    pub fn line(&mut self, text: impl Into<String>) {
+        self.send(text.into(), Origin::Panel);
+    }
+
+    /// Sends a line as if typed into the console.
+    pub fn typed_line(&mut self, text: impl Into<String>) {
+        self.send(text.into(), Origin::Pane);
+    }
+
+    /// Opens a scene, named as on the command line.
+    pub fn open(&mut self, source: &str) {
+        self.typed_line(format!("load {}", quoted(source)));
+    }
+
     /// Sends a line, and returns its number.
-    pub fn line(&mut self, text: String, origin: Origin) -> u64 {
+    fn send(&mut self, text: String, origin: Origin) -> u64 {
         let info = LineInfo::of(&text);
         if info.urgency.is_some() {
             self.shared.stop();
@@ -141,14 +165,52 @@ impl Outbox {
         }
     }
 
-    /// Keeps a value pending until the line of this number is done.
-    pub fn hold(&mut self, key: &str, value: PendingValue, line: u64) {
-        self.held.insert(key.to_owned(), (value, line));
+    /// A parameter's pending value, or else its current one.
+    pub fn value(&self, parameter: &Parameter, model: &Model) -> Value {
+        match self.held.get(parameter.name) {
+            Some((PendingValue::Value(value), _)) => *value,
+            _ => parameter.get(&model.settings),
+        }
     }
 
-    /// The pending value of `key`, if any.
-    pub fn held(&self, key: &str) -> Option<PendingValue> {
-        self.held.get(key).map(|(held, _)| *held)
+    /// Sets a parameter.
+    pub fn set_value(&mut self, parameter: &Parameter, value: Value) {
+        let line = self.send(format!("{} {value}", parameter.name), Origin::Panel);
+        self.held.insert(parameter.name.to_owned(), (PendingValue::Value(value), line));
+    }
+
+    /// The pending numbers of `key`, or else `now`.
+    pub fn numbers<const N: usize>(&self, key: &str, now: [f32; N]) -> [f32; N] {
+        match self.held.get(key) {
+            Some((PendingValue::Numbers(held), _)) => {
+                std::array::from_fn(|i| held.get(i).copied().unwrap_or(now[i]))
+            }
+            _ => now,
+        }
+    }
+
+    /// Sets numbers by a command; up to nine of them are pending until it is done.
+    pub fn set_numbers<const N: usize>(&mut self, key: &str, numbers: [f32; N], command: String) {
+        let line = self.send(command, Origin::Panel);
+        let held = std::array::from_fn(|i| numbers.get(i).copied().unwrap_or(0.0));
+        self.held.insert(key.to_owned(), (PendingValue::Numbers(held), line));
+    }
+
+    /// The selection, as the user has set it or else as published.
+    pub fn selected(&self) -> Option<&Selected> {
+        self.selected.as_ref()
+    }
+
+    /// Sets the selection.
+    pub fn select(&mut self, selected: Option<Selected>) {
+        if selected != self.selected {
+            self.line(match &selected {
+                Some(Selected::Object(name)) => format!("select {}", quoted(name)),
+                Some(Selected::Light(name)) => format!("select light {}", quoted(name)),
+                None => "select".to_owned(),
+            });
+            self.selected = selected;
+        }
     }
 
     /// The pending camera, or else the model's.

@@ -4,20 +4,20 @@ use egui::{ComboBox, Slider, Ui};
 use lumivox_scene::AnimationChoice;
 
 use super::icons::{self, Icon};
-use crate::window::app::App;
 use crate::window::lines::quoted;
 use crate::window::model::Model;
+use crate::window::outbox::Outbox;
 use crate::window::theme;
 
 /// Draws the play button, the choice of animations, and the time.
-pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
+pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let playback = &model.playback;
     let Some(scene) = model.scene.clone() else { return };
     ui.horizontal(|ui| {
         let (icon, command) =
             if playback.is_playing { (Icon::Pause, "pause") } else { (Icon::Play, "play") };
         if icons::button(ui, icon, theme::ACCENT, command).clicked() {
-            app.line(command);
+            outbox.line(command);
         }
         if scene.animations.len() > 1 {
             let name = match playback.animation {
@@ -31,16 +31,16 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
                 |ui| {
                     for (choice, _) in &scene.animations {
                         if ui.selectable_label(choice == name, choice).clicked() {
-                            app.line(format!("animation {}", quoted(choice)));
+                            outbox.line(format!("animation {}", quoted(choice)));
                         }
                     }
                     if ui.selectable_label(name == "all", "all at once").clicked() {
-                        app.line("animation all");
+                        outbox.line("animation all");
                     }
                 },
             );
         }
-        let [mut time_s] = app.numbers("time", [playback.time_s]);
+        let [mut time_s] = outbox.numbers("time", [playback.time_s]);
         if playback.is_playing {
             time_s = playback.time_s;
         }
@@ -48,7 +48,7 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
         let slider =
             Slider::new(&mut time_s, 0.0..=playback.duration_s).fixed_decimals(2).suffix(" s");
         if ui.add(slider).accessible_name("Time").changed() {
-            app.set_numbers("time", [time_s], format!("time {time_s}"));
+            outbox.set_numbers("time", [time_s], format!("time {time_s}"));
         }
     });
 }

@@ -3,8 +3,8 @@
 use egui::{Event, EventFilter, Id, Key, Modifiers, RichText, ScrollArea, TextEdit, Ui};
 use lumivox_console::complete::complete;
 
-use crate::window::app::App;
 use crate::window::model::{LogKind, Model};
+use crate::window::outbox::Outbox;
 use crate::window::theme;
 
 /// Maximum lines of the history, for the arrow keys.
@@ -81,28 +81,28 @@ pub fn line() -> Id {
 }
 
 /// Draws the lines and the input line.
-pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut State, outbox: &mut Outbox) {
     let id = line();
     let mut focus = false;
     if ui.memory(|memory| memory.has_focus(id)) {
         let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
         if pressed(Key::ArrowUp) {
-            app.console.earlier();
+            state.earlier();
             focus = true;
         }
         if pressed(Key::ArrowDown) {
-            app.console.later();
+            state.later();
             focus = true;
         }
         if pressed(Key::Tab) {
-            let text = &app.console.text;
+            let text = &state.text;
             let found = complete(&model.names, &crate::disk::files, text, text.len());
-            app.console.complete(found.start, found.candidates);
+            state.complete(found.start, found.candidates);
             focus = true;
         }
     }
     let line_height = 22.0;
-    let listed = app.console.candidates.join("  ");
+    let listed = state.candidates.join("  ");
     let below = if listed.is_empty() { line_height } else { line_height + 16.0 };
     let height = (ui.available_height() - below).max(20.0);
     let area = ScrollArea::vertical().id_salt("log").max_height(height).min_scrolled_height(height);
@@ -122,7 +122,7 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
         ui.add(egui::Label::new(RichText::new(listed).monospace().color(theme::WEAK)).truncate());
     }
     let hint = RichText::new("Type a command; Tab completes, help lists them").color(theme::WEAK);
-    let edit = TextEdit::singleline(&mut app.console.text)
+    let edit = TextEdit::singleline(&mut state.text)
         .id(id)
         .font(egui::TextStyle::Monospace)
         .hint_text(hint)
@@ -131,20 +131,20 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     let output = edit.show(ui);
     let response = output.response.response.accessible_name("Command");
     if response.changed() {
-        app.console.candidates.clear();
+        state.candidates.clear();
     }
     if focus {
         // Move the cursor to the end of the new text.
-        let mut state = output.state;
-        let end = egui::text::CCursor::new(app.console.text.chars().count());
-        state.cursor.set_char_range(Some(egui::text::CCursorRange::one(end)));
-        state.store(ui.ctx(), id);
+        let mut cursor = output.state;
+        let end = egui::text::CCursor::new(state.text.chars().count());
+        cursor.cursor.set_char_range(Some(egui::text::CCursorRange::one(end)));
+        cursor.store(ui.ctx(), id);
     }
     let is_entered =
         response.lost_focus() && ui.input(|input| has_pressed(&input.events, Key::Enter));
     if is_entered {
-        if let Some(line) = app.console.submit() {
-            app.typed_line(line);
+        if let Some(line) = state.submit() {
+            outbox.typed_line(line);
         }
         response.request_focus();
     }

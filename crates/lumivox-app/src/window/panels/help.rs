@@ -2,7 +2,6 @@
 
 use egui::{Grid, Id, Modal, RichText, ScrollArea, Ui};
 
-use crate::window::app::App;
 use crate::window::theme;
 
 /// Keys and their effects, by section.
@@ -46,8 +45,8 @@ pub const KEYS: [(&str, &[(&str, &str)]); 4] = [
     ),
 ];
 
-/// Shows the help in a modal window.
-pub fn show(ui: &mut Ui, app: &mut App) {
+/// Shows the help in a modal window; returns whether it was closed.
+pub fn show(ui: &mut Ui) -> bool {
     let shown = Modal::new(Id::unique("help")).show(ui.ctx(), |ui| {
         ui.set_max_width(ui.ctx().content_rect().width().min(560.0) - 40.0);
         ui.label(RichText::new("Keys and mouse").size(16.0).strong());
@@ -68,7 +67,5 @@ pub fn show(ui: &mut Ui, app: &mut App) {
         ui.add_space(6.0);
         ui.button("Close").clicked()
     });
-    if shown.inner || shown.should_close() {
-        app.has_help = false;
-    }
+    shown.inner || shown.should_close()
 }

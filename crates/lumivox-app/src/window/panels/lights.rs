@@ -6,28 +6,28 @@ use lumivox_scene::{Light, LightKind};
 
 use super::icons::{self, Icon};
 use super::widgets::{item, row, vector, weak};
-use crate::window::app::App;
 use crate::window::lines::quoted;
 use crate::window::model::{SceneModel, Selected};
+use crate::window::outbox::Outbox;
 use crate::window::theme;
 
 /// Draws all lights, the properties of the selected one, and the surroundings.
-pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
+pub fn show(ui: &mut Ui, scene: &SceneModel, outbox: &mut Outbox) {
     for (name, light) in &scene.lights {
-        let is_chosen = matches!(&app.selected, Some(Selected::Light(other)) if other == name);
+        let is_chosen = matches!(outbox.selected(), Some(Selected::Light(other)) if other == name);
         ui.horizontal(|ui| {
             let (rect, _) = ui.allocate_exact_size(vec2(12.0, 12.0), egui::Sense::hover());
             ui.painter().circle_filled(rect.center(), 5.0, screen_color(light.color));
             let label = item(ui, is_chosen, RichText::new(name), 22.0);
             if label.on_hover_text(kind_name(light)).clicked() {
-                app.select((!is_chosen).then(|| Selected::Light(name.clone())));
+                outbox.select((!is_chosen).then(|| Selected::Light(name.clone())));
             }
             if icons::button(ui, Icon::Cross, theme::WEAK, &format!("Remove {name}")).clicked() {
-                app.line(format!("remove_light {}", quoted(name)));
+                outbox.line(format!("remove_light {}", quoted(name)));
             }
         });
         if is_chosen {
-            chosen(ui, name, light, app);
+            chosen(ui, name, light, outbox);
             ui.separator();
         }
     }
@@ -42,22 +42,22 @@ pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
             ("sun", "Parallel light from far away"),
         ] {
             if ui.button(kind).on_hover_text(tip).clicked() {
-                app.line(format!("add_light {kind}"));
+                outbox.line(format!("add_light {kind}"));
             }
         }
     });
-    surroundings(ui, scene, app);
+    surroundings(ui, scene, outbox);
 }
 
-fn chosen(ui: &mut Ui, name: &str, light: &Light, app: &mut App) {
+fn chosen(ui: &mut Ui, name: &str, light: &Light, outbox: &mut Outbox) {
     let quoted_name = quoted(name);
     let set = |property: &str| format!("light {quoted_name} {property}");
     row(ui, "Colour", "Linear red, green and blue; the strength is apart", |ui| {
         let key = set("color");
-        let mut color = app.numbers(&key, light.color.to_array());
+        let mut color = outbox.numbers(&key, light.color.to_array());
         if ui.color_edit_button_rgb(&mut color).changed() {
             let [r, g, b] = color;
-            app.set_numbers(&key, color, format!("{key} {r} {g} {b}"));
+            outbox.set_numbers(&key, color, format!("{key} {r} {g} {b}"));
         }
     });
     let (strength, unit) = match light.kind {
@@ -66,20 +66,20 @@ fn chosen(ui: &mut Ui, name: &str, light: &Light, app: &mut App) {
             (intensity_cd, "cd")
         }
     };
-    number(ui, app, "Strength", &set("strength"), strength, unit, (0.0, f32::MAX));
+    number(ui, outbox, "Strength", &set("strength"), strength, unit, (0.0, f32::MAX));
     let is_sun = matches!(light.kind, LightKind::Directional { .. });
     if !is_sun {
-        three(ui, app, "Position, m", &set("position"), light.position, 0.01);
-        number(ui, app, "Radius", &set("radius"), light.radius_m, "m", (0.0, f32::MAX));
+        three(ui, outbox, "Position, m", &set("position"), light.position, 0.01);
+        number(ui, outbox, "Radius", &set("radius"), light.radius_m, "m", (0.0, f32::MAX));
     }
     if !matches!(light.kind, LightKind::Point { .. }) {
-        three(ui, app, "Direction", &set("direction"), light.direction, 0.01);
+        three(ui, outbox, "Direction", &set("direction"), light.direction, 0.01);
     }
 }
 
 fn number(
     ui: &mut Ui,
-    app: &mut App,
+    outbox: &mut Outbox,
     title: &str,
     key: &str,
     now: f32,
@@ -87,7 +87,7 @@ fn number(
     (low, high): (f32, f32),
 ) {
     row(ui, title, "", |ui| {
-        let [mut value] = app.numbers(key, [now]);
+        let [mut value] = outbox.numbers(key, [now]);
         let speed = f64::from(value.abs().max(0.01)) * 0.01;
         let drag = DragValue::new(&mut value).range(low..=high).speed(speed).max_decimals(4);
         let width = ui.available_width();
@@ -96,14 +96,14 @@ fn number(
             .accessible_name(title)
             .changed()
         {
-            app.set_numbers(key, [value], format!("{key} {value}"));
+            outbox.set_numbers(key, [value], format!("{key} {value}"));
         }
     });
 }
 
-fn three(ui: &mut Ui, app: &mut App, title: &str, key: &str, now: Vec3, speed: f64) {
+fn three(ui: &mut Ui, outbox: &mut Outbox, title: &str, key: &str, now: Vec3, speed: f64) {
     weak(ui, title);
-    let mut numbers = app.numbers(key, now.to_array());
+    let mut numbers = outbox.numbers(key, now.to_array());
     let changed = ui.push_id(key, |ui| {
         ui.horizontal(|ui| vector(ui, &mut numbers, speed, 3, ["x", "y", "z"])).inner
     });
@@ -111,18 +111,18 @@ fn three(ui: &mut Ui, app: &mut App, title: &str, key: &str, now: Vec3, speed: f
     let is_zero = numbers.iter().all(|number| *number == 0.0);
     if changed.inner && !(is_zero && key.ends_with(" direction")) {
         let [x, y, z] = numbers;
-        app.set_numbers(key, numbers, format!("{key} {x} {y} {z}"));
+        outbox.set_numbers(key, numbers, format!("{key} {x} {y} {z}"));
     }
 }
 
-fn surroundings(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
+fn surroundings(ui: &mut Ui, scene: &SceneModel, outbox: &mut Outbox) {
     if let Some(panorama) = &scene.panorama {
         weak(ui, format!("Surroundings: {panorama}"));
         return;
     }
     // A colour and a strength, since values in cd/m² exceed a colour button's range.
     row(ui, "Surroundings", "Radiance from all around, cd/m\u{b2}", |ui| {
-        let now = app.numbers("environment", scene.environment.to_array());
+        let now = outbox.numbers("environment", scene.environment.to_array());
         let peak = Vec3::from(now).max_element();
         let mut color = if peak > 0.0 { now.map(|c| c / peak) } else { [1.0; 3] };
         let mut strength = peak;
@@ -136,7 +136,7 @@ fn surroundings(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
         is_changed |= strong.changed();
         if is_changed {
             let [r, g, b] = color.map(|c| c * strength);
-            app.set_numbers("environment", [r, g, b], format!("environment {r},{g},{b}"));
+            outbox.set_numbers("environment", [r, g, b], format!("environment {r},{g},{b}"));
         }
     });
 }

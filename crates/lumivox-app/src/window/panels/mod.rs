@@ -22,8 +22,10 @@ pub mod widgets;
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
 use lumivox_explorer::parameters::Group;
 
-use super::app::App;
+use super::config::Config;
+use super::gizmo::Mode;
 use super::model::Model;
+use super::outbox::Outbox;
 use super::theme;
 
 /// A collapsible section of a side panel; returns whether it is open.
@@ -47,13 +49,9 @@ fn fixed<T>(ui: &mut Ui, contents: impl FnOnce(&mut Ui) -> T) -> T {
 }
 
 /// Draws the left panel: objects, lights, materials.
-pub fn left(ui: &mut Ui, model: &Model, app: &mut App) {
-    fixed(ui, |ui| scene(ui, model, app));
-}
-
-fn scene(ui: &mut Ui, model: &Model, app: &mut App) {
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        let Some(scene) = model.scene.clone() else {
+pub fn left(ui: &mut Ui, model: &Model, filter: &mut String, mode: &mut Mode, outbox: &mut Outbox) {
+    let contents = |ui: &mut Ui| {
+        let Some(scene) = &model.scene else {
             ui.label(
                 RichText::new("No scene yet. Open one with File, or drop a file here.")
                     .color(theme::WEAK),
@@ -61,28 +59,31 @@ fn scene(ui: &mut Ui, model: &Model, app: &mut App) {
             return;
         };
         let objects = format!("Objects ({})", scene.objects.len());
-        section(ui, &objects, true, |ui| objects::show(ui, &scene, app));
+        section(ui, &objects, true, |ui| objects::show(ui, scene, filter, mode, outbox));
         let lights = format!("Lights ({})", scene.lights.len());
-        section(ui, &lights, true, |ui| lights::show(ui, &scene, app));
+        section(ui, &lights, true, |ui| lights::show(ui, scene, outbox));
         let materials = format!("Materials ({})", scene.materials.len());
-        section(ui, &materials, false, |ui| materials::show(ui, &scene, app));
-    });
+        section(ui, &materials, false, |ui| materials::show(ui, scene, outbox));
+    };
+    fixed(ui, |ui| ScrollArea::vertical().auto_shrink(false).show(ui, contents));
 }
 
 /// Draws the right panel: settings; returns whether to measure stage times.
-pub fn right(ui: &mut Ui, model: &Model, app: &mut App) -> bool {
-    fixed(ui, |ui| settings(ui, model, app))
-}
-
-fn settings(ui: &mut Ui, model: &Model, app: &mut App) -> bool {
-    let mut is_timed = false;
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        section(ui, "View", true, |ui| view::show(ui, model, app));
-        section(ui, "Light", true, |ui| parameters::group(ui, Group::Light, model, app));
-        section(ui, "Picture", true, |ui| view::picture(ui, model, app));
-        section(ui, "Volume", false, |ui| volume::show(ui, model, app));
-        section(ui, "Cones", false, |ui| view::cones(ui, model, app));
-        is_timed = section(ui, "Performance", false, |ui| performance::show(ui, model));
-    });
-    is_timed
+pub fn right(
+    ui: &mut Ui,
+    model: &Model,
+    config: &mut Config,
+    camera_name: &mut String,
+    outbox: &mut Outbox,
+) -> bool {
+    let Config { speed, half_size, .. } = config;
+    let contents = |ui: &mut Ui| {
+        section(ui, "View", true, |ui| view::show(ui, model, camera_name, speed, outbox));
+        section(ui, "Light", true, |ui| parameters::group(ui, Group::Light, model, outbox));
+        section(ui, "Picture", true, |ui| view::picture(ui, model, half_size, outbox));
+        section(ui, "Volume", false, |ui| volume::show(ui, model, outbox));
+        section(ui, "Cones", false, |ui| view::cones(ui, model, outbox));
+        section(ui, "Performance", false, |ui| performance::show(ui, model))
+    };
+    fixed(ui, |ui| ScrollArea::vertical().auto_shrink(false).show(ui, contents).inner)
 }

@@ -6,22 +6,29 @@ use lumivox_explorer::Placement;
 
 use super::icons::{self, Icon};
 use super::widgets::{count, item, reset, row, vector, weak};
-use crate::window::app::App;
 use crate::window::gizmo::Mode;
 use crate::window::lines::quoted;
 use crate::window::model::{ObjectModel, SceneModel, Selected};
-use crate::window::theme;
+use crate::window::outbox::Outbox;
+use crate::window::{selection, theme};
 
 /// Height of the list, rows.
 const ROWS: f32 = 9.0;
 
-/// Draws the list and the selected object.
-pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
+/// Draws the list of objects whose names contain `filter`, and the selected one with the mode of its
+/// handles.
+pub fn show(
+    ui: &mut Ui,
+    scene: &SceneModel,
+    filter: &mut String,
+    mode: &mut Mode,
+    outbox: &mut Outbox,
+) {
     let hint = RichText::new("Filter by name").color(theme::WEAK);
     let width = ui.available_width();
-    ui.add(egui::TextEdit::singleline(&mut app.filter).hint_text(hint).desired_width(width))
+    ui.add(egui::TextEdit::singleline(filter).hint_text(hint).desired_width(width))
         .accessible_name("Filter objects by name");
-    let filter = app.filter.to_lowercase();
+    let filter = filter.to_lowercase();
     let is_listed = |object: &&ObjectModel| object.name.to_lowercase().contains(&filter);
     let objects: Vec<&ObjectModel> = scene.objects.iter().filter(is_listed).collect();
     if objects.is_empty() {
@@ -36,19 +43,17 @@ pub fn show(ui: &mut Ui, scene: &SceneModel, app: &mut App) {
         ui.spacing_mut().item_spacing.y = 1.0;
         area.show_rows(ui, height, objects.len(), |ui, range| {
             for object in &objects[range] {
-                listed(ui, object, app);
+                listed(ui, object, outbox);
             }
         });
     });
-    if let Some(Selected::Object(name)) = app.selected.clone()
-        && let Some(object) = scene.objects.iter().find(|object| object.name == name)
-    {
+    if let Some(object) = selection::object(scene, outbox) {
         ui.separator();
-        chosen(ui, object, scene, app);
+        chosen(ui, object, scene, mode, outbox);
     }
 }
 
-fn listed(ui: &mut Ui, object: &ObjectModel, app: &mut App) {
+fn listed(ui: &mut Ui, object: &ObjectModel, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         let name = quoted(&object.name);
         let (icon, verb, color) = if object.is_hidden {
@@ -57,33 +62,39 @@ fn listed(ui: &mut Ui, object: &ObjectModel, app: &mut App) {
             (Icon::Shown, "hide", theme::ACCENT)
         };
         if icons::button(ui, icon, color, &format!("{verb} {}", object.name)).clicked() {
-            app.line(format!("{verb} {name}"));
+            outbox.line(format!("{verb} {name}"));
         }
         let is_chosen =
-            matches!(&app.selected, Some(Selected::Object(other)) if *other == object.name);
+            matches!(outbox.selected(), Some(Selected::Object(other)) if *other == object.name);
         let text = RichText::new(&object.name);
         let text = if object.is_hidden { text.color(theme::WEAK) } else { text };
         if item(ui, is_chosen, text, 0.0).clicked() {
-            app.select((!is_chosen).then(|| Selected::Object(object.name.clone())));
+            outbox.select((!is_chosen).then(|| Selected::Object(object.name.clone())));
         }
     });
 }
 
-fn chosen(ui: &mut Ui, object: &ObjectModel, scene: &SceneModel, app: &mut App) {
+fn chosen(
+    ui: &mut Ui,
+    object: &ObjectModel,
+    scene: &SceneModel,
+    mode: &mut Mode,
+    outbox: &mut Outbox,
+) {
     ui.label(RichText::new(&object.name).strong());
     let material = scene.materials.get(object.material).map_or("", |(name, _)| name.as_str());
     weak(ui, format!("{} triangles, {material}", count(object.triangles as u64)));
     ui.horizontal(|ui| {
-        for (mode, name, tip) in [
+        for (choice, name, tip) in [
             (Mode::Move, "Move", "Arrows in the picture (T). CTRL: in steps"),
             (Mode::Turn, "Rotate", "Rings in the picture (R). CTRL: by 15 degrees"),
             (Mode::Size, "Scale", "Boxes in the picture (Z). CTRL: by tenths"),
         ] {
-            ui.selectable_value(&mut app.gizmo, mode, name).on_hover_text(tip);
+            ui.selectable_value(mode, choice, name).on_hover_text(tip);
         }
     });
     let key = format!("place {}", quoted(&object.name));
-    let placement = held(app, &key, &object.placement);
+    let placement = selection::placement(outbox, &key, &object.placement);
     let mut next = placement;
     let axes = |what: &str| ["x", "y", "z"].map(|axis| format!("{what} {axis}"));
     for (what, unit, vector_of, speed, usual) in [
@@ -112,13 +123,13 @@ fn chosen(ui: &mut Ui, object: &ObjectModel, scene: &SceneModel, app: &mut App) 
         }
     }
     if next != placement {
-        place(app, &object.name, &next);
+        selection::place(outbox, &object.name, &next);
     }
     row(ui, "Static", "It stays as it is while others move: its voxels are kept", |ui| {
         let mut is_static = object.is_static;
         if ui.checkbox(&mut is_static, "").accessible_name("Static").changed() {
             let on = if is_static { "on" } else { "off" };
-            app.line(format!("static {} {on}", quoted(&object.name)));
+            outbox.line(format!("static {} {on}", quoted(&object.name)));
         }
     });
 }
@@ -146,26 +157,4 @@ impl Part {
             Self::Scale => &mut placement.scale,
         }
     }
-}
-
-/// An object's pending placement, or else its current one.
-pub fn held(app: &App, key: &str, placement: &Placement) -> Placement {
-    // Matrices yield -0.0, which adding zero turns into 0.0.
-    let [p, r, s] =
-        [placement.position, placement.rotation_deg, placement.scale].map(|v| v + Vec3::ZERO);
-    let n = app.numbers(key, [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z]);
-    Placement {
-        position: Vec3::new(n[0], n[1], n[2]),
-        rotation_deg: Vec3::new(n[3], n[4], n[5]),
-        scale: Vec3::new(n[6], n[7], n[8]),
-    }
-}
-
-/// Sends an object's new placement.
-pub fn place(app: &mut App, name: &str, placement: &Placement) {
-    let Placement { position: p, rotation_deg: r, scale: s } = *placement;
-    let key = format!("place {}", quoted(name));
-    let command =
-        format!("{key} {} {} {} {} {} {} {} {} {}", p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z);
-    app.set_numbers(&key, [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z], command);
 }

@@ -5,28 +5,28 @@ use glam::Vec3;
 use lumivox_explorer::parameters::{Group, Kind, PARAMETERS, Parameter, Value, find_parameter};
 
 use super::widgets::{is_rounded, reset, rest_width, row, vector};
-use crate::window::app::App;
 use crate::window::model::Model;
+use crate::window::outbox::Outbox;
 
 /// Numbers in a range at most this wide have a slider.
 const WIDEST_SLIDER: f32 = 64.0;
 
 /// Draws all settings of a group.
-pub fn group(ui: &mut Ui, group: Group, model: &Model, app: &mut App) {
+pub fn group(ui: &mut Ui, group: Group, model: &Model, outbox: &mut Outbox) {
     for parameter in PARAMETERS.iter().filter(|parameter| parameter.group == group) {
-        show(ui, parameter, model, app);
+        show(ui, parameter, model, outbox);
     }
 }
 
 /// Draws the setting of a name.
-pub fn named(ui: &mut Ui, name: &str, model: &Model, app: &mut App) {
+pub fn named(ui: &mut Ui, name: &str, model: &Model, outbox: &mut Outbox) {
     if let Some(parameter) = find_parameter(name) {
-        show(ui, parameter, model, app);
+        show(ui, parameter, model, outbox);
     }
 }
 
-fn show(ui: &mut Ui, parameter: &'static Parameter, model: &Model, app: &mut App) {
-    let value = app.value(parameter, model);
+fn show(ui: &mut Ui, parameter: &'static Parameter, model: &Model, outbox: &mut Outbox) {
+    let value = outbox.value(parameter, model);
     let usual = parameter.get(&model.usual);
     let title = title(parameter.name);
     let tip = tip(parameter, usual);
@@ -40,7 +40,7 @@ fn show(ui: &mut Ui, parameter: &'static Parameter, model: &Model, app: &mut App
     if let Some(set) = set
         && set != value
     {
-        app.set_value(parameter, set);
+        outbox.set_value(parameter, set);
     }
 }
 

@@ -4,20 +4,19 @@ use std::time::{Duration, Instant};
 
 use egui::{
     Align2, Color32, CursorIcon, FontId, Id, Key, PointerButton, Pos2, Rect, Response, Sense,
-    Stroke, Ui,
+    Stroke, TextureId, Ui,
 };
 use egui::{pos2, vec2};
 use glam::{Vec2, Vec3};
-use lumivox_explorer::Placement;
-use lumivox_scene::{Bounds, Light, LightKind};
+use lumivox_render::Photometry;
+use lumivox_scene::Camera;
 
-use super::objects;
-use crate::window::app::App;
 use crate::window::gizmo::{self, Handle, Mode, Projection};
-use crate::window::lines::quoted;
 use crate::window::model::{Comparand, Model, ObjectModel, SceneModel, Selected};
-use crate::window::orders::Order;
-use crate::window::{camera, theme};
+use crate::window::orders::{Order, Published};
+use crate::window::outbox::Outbox;
+use crate::window::screen::PICTURES;
+use crate::window::{camera, selection, theme};
 
 /// Rotation by a drag over the picture's height, rad.
 const TURN_RAD: f32 = std::f32::consts::PI;
@@ -30,32 +29,115 @@ const FAST: f32 = 4.0;
 /// Maximum distance of the pointer to a light or the split, points.
 const REACH: f32 = 9.0;
 
+/// State of the picture's panel.
+#[derive(Debug)]
+pub struct State {
+    /// The pictures' textures.
+    pub textures: [Option<TextureId>; PICTURES],
+    /// The mode of the handles.
+    pub mode: Mode,
+    /// The handle that is being dragged.
+    drag: Option<gizmo::Drag>,
+    /// Position of the split, as a share of the picture's width.
+    split: f32,
+    /// The last light probe: place, number of the picture, and time.
+    probed: Option<(Vec2, u64, Instant)>,
+    /// [`Model::opened`] of the last model, and of the scene whose hint was closed.
+    opened: u64,
+    closed_hint: u64,
+    /// `Some` if the next selection is to be framed: [`Model::selections`] at the request.
+    frames_after: Option<u64>,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            textures: [None; PICTURES],
+            mode: Mode::default(),
+            drag: None,
+            split: 0.5,
+            probed: None,
+            opened: 0,
+            closed_hint: 0,
+            frames_after: None,
+        }
+    }
+}
+
+impl State {
+    /// Handles changes of the model: ends the drag of another scene's object, and frames a
+    /// selection by a double click.
+    pub fn look(&mut self, model: &Model, outbox: &mut Outbox) {
+        if model.opened != self.opened {
+            self.opened = model.opened;
+            self.drag = None;
+        }
+        let is_made = self.frames_after.take_if(|before| *before != model.selections).is_some();
+        if is_made && outbox.selected().is_some() {
+            selection::frame(model, outbox);
+        }
+    }
+
+    /// The light under the pointer; `None` until it is measured.
+    pub fn light_under_pointer(&self, published: &Published) -> Option<Photometry> {
+        let (at, ..) = self.probed?;
+        // Until then, show the light of a place nearby.
+        published.light.as_ref().filter(|light| light.at.distance(at) < 0.02)?.light
+    }
+}
+
+/// What the picture shows, and what its input changes.
+struct Panel<'a> {
+    published: &'a Published,
+    model: &'a Model,
+    scene: &'a SceneModel,
+    state: &'a mut State,
+    /// Flying speed.
+    speed: &'a mut f32,
+    outbox: &'a mut Outbox,
+}
+
+impl Panel<'_> {
+    fn move_camera(&mut self, move_it: impl FnOnce(&Camera) -> Camera) {
+        self.outbox.move_camera(move_it(&self.outbox.camera(self.model)));
+    }
+}
+
 /// Draws the picture and its overlays, and handles its input.
-pub fn show(ui: &mut Ui, model: &Model, scene: &SceneModel, app: &mut App) {
+pub fn show(
+    ui: &mut Ui,
+    published: &Published,
+    scene: &SceneModel,
+    state: &mut State,
+    speed: &mut f32,
+    outbox: &mut Outbox,
+) {
+    let model = &*published.model;
+    let panel = &mut Panel { published, model, scene, state, speed, outbox };
     let area = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(area, Sense::click_and_drag());
     let response = response.accessible_name("Picture");
-    let rect = fitted(area, app);
-    let split = images(ui, rect, model, app);
-    let view = Projection::new(&app.camera(), rect);
-    decorate(ui, &view, rect, scene, app);
-    let on_split = split.filter(|_| app.drag.is_none());
-    mouse(ui, &response, &view, (rect, on_split), scene, app);
-    keys(ui, scene, app);
-    probe(ui, &response, rect, app);
-    if scene.is_emission_alone && app.closed_hint != model.opened {
-        explain(ui, rect, model.opened, app);
+    let rect = fitted(area, published);
+    let split = images(ui, rect, panel);
+    let view = Projection::new(&panel.outbox.camera(model), rect);
+    decorate(ui, &view, rect, panel);
+    let on_split = split.filter(|_| panel.state.drag.is_none());
+    mouse(ui, &response, &view, (rect, on_split), panel);
+    keys(ui, panel);
+    probe(ui, &response, rect, panel);
+    if scene.is_emission_alone && panel.state.closed_hint != model.opened {
+        explain(ui, rect, panel);
     }
     if scene.objects.iter().all(|object| object.is_hidden) {
         hint(ui, rect, "Nothing is shown: all objects are hidden.");
-    } else if app.published.picture.is_none() && model.jobs.is_empty() && model.error.is_none() {
+    } else if published.picture.is_none() && model.jobs.is_empty() && model.error.is_none() {
         hint(ui, rect, "Preparing the scene ...");
     }
 }
 
 /// The largest rectangle in `area` with the picture's aspect ratio.
-fn fitted(area: Rect, app: &App) -> Rect {
-    let Some(shown) = &app.published.picture else { return area };
+fn fitted(area: Rect, published: &Published) -> Rect {
+    let Some(shown) = &published.picture else { return area };
     let size = vec2(shown.size.x as f32, shown.size.y as f32);
     let scale = (area.width() / size.x).min(area.height() / size.y);
     let fitted = Rect::from_center_size(area.center(), size * scale);
@@ -69,26 +151,27 @@ fn fitted(area: Rect, app: &App) -> Rect {
 }
 
 /// Draws one picture or two; returns the split's x coordinate.
-fn images(ui: &Ui, rect: Rect, model: &Model, app: &App) -> Option<f32> {
+fn images(ui: &Ui, rect: Rect, panel: &Panel<'_>) -> Option<f32> {
+    let Panel { published, model, state, .. } = panel;
     let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-    let [first, other] = app.textures;
+    let [first, other] = state.textures;
     if let Some(texture) = first {
         ui.painter().image(texture, rect, whole, Color32::WHITE);
     }
     if model.comparand == Comparand::Nothing {
         return None;
     }
-    let x = rect.left() + rect.width() * app.split;
+    let x = rect.left() + rect.width() * state.split;
     if let Some(texture) = other {
         let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
-        let shown = Rect::from_min_max(pos2(app.split, 0.0), pos2(1.0, 1.0));
+        let shown = Rect::from_min_max(pos2(state.split, 0.0), pos2(1.0, 1.0));
         ui.painter().image(texture, right, shown, Color32::WHITE);
     }
     ui.painter().vline(x, rect.y_range(), Stroke::new(2.0, Color32::from_black_alpha(140)));
     ui.painter().vline(x, rect.y_range(), Stroke::new(1.0, Color32::WHITE));
     let grip = pos2(x, rect.center().y);
     ui.painter().circle(grip, 7.0, theme::PANEL, Stroke::new(1.5, Color32::WHITE));
-    let samples = app.published.other.as_ref().map(|other| other.frames);
+    let samples = published.other.as_ref().map(|other| other.frames);
     let right = match (model.comparand, samples) {
         (Comparand::View(view), _) => view.name().to_owned(),
         (Comparand::Reference(_), Some(samples)) => format!("reference, {samples} samples"),
@@ -124,16 +207,17 @@ const PROBE_EVERY: Duration = Duration::from_millis(100);
 const PROBE_AGAIN: Duration = Duration::from_millis(500);
 
 /// Probes the light under the pointer at intervals, while no button is held.
-fn probe(ui: &Ui, response: &Response, rect: Rect, app: &mut App) {
+fn probe(ui: &Ui, response: &Response, rect: Rect, panel: &mut Panel<'_>) {
+    let Panel { published, state, outbox, .. } = panel;
     let is_held = ui.input(|input| input.pointer.any_down());
     let at = response.hover_pos().filter(|at| rect.contains(*at) && !is_held);
-    let (Some(at), Some(shown)) = (at, &app.published.picture) else {
-        app.probed = None;
+    let (Some(at), Some(shown)) = (at, &published.picture) else {
+        state.probed = None;
         return;
     };
     let (share, serial) = ((at - rect.min) / rect.size(), shown.serial);
     let share = Vec2::new(share.x, share.y);
-    let wait = match app.probed {
+    let wait = match state.probed {
         Some((last, seen, _)) if last == share && seen == serial => return,
         Some((last, _, asked)) => {
             let pause = if last == share { PROBE_AGAIN } else { PROBE_EVERY };
@@ -142,15 +226,15 @@ fn probe(ui: &Ui, response: &Response, rect: Rect, app: &mut App) {
         None => Duration::ZERO,
     };
     if wait.is_zero() {
-        app.order(Order::Probe(share));
-        app.probed = Some((share, serial, Instant::now()));
+        outbox.order(Order::Probe(share));
+        state.probed = Some((share, serial, Instant::now()));
     } else {
         ui.ctx().request_repaint_after(wait);
     }
 }
 
 /// Draws a note at the picture's lower edge, with buttons for a remedy and to close it.
-fn explain(ui: &Ui, rect: Rect, scene: u64, app: &mut App) {
+fn explain(ui: &Ui, rect: Rect, panel: &mut Panel<'_>) {
     let frame = egui::Frame::new().fill(theme::PANEL).corner_radius(4).inner_margin(8);
     let area = egui::Area::new(Id::unique("hint"))
         .pivot(Align2::CENTER_BOTTOM)
@@ -163,10 +247,10 @@ fn explain(ui: &Ui, rect: Rect, scene: u64, app: &mut App) {
             ui.horizontal_wrapped(|ui| {
                 let sky = ui.button("Add sun and sky").on_hover_text(SKY);
                 if sky.clicked() {
-                    app.line(SKY);
+                    panel.outbox.line(SKY);
                 }
                 if ui.button("Close").clicked() {
-                    app.closed_hint = scene;
+                    panel.state.closed_hint = panel.model.opened;
                 }
             });
         });
@@ -181,11 +265,12 @@ const EMISSION_ALONE: &str =
 const SKY: &str = "sky 40,120";
 
 /// Draws lights, the selected object's box, and the handles.
-fn decorate(ui: &Ui, view: &Projection, rect: Rect, scene: &SceneModel, app: &App) {
+fn decorate(ui: &Ui, view: &Projection, rect: Rect, panel: &Panel<'_>) {
+    let Panel { scene, state, outbox, .. } = panel;
     let painter = ui.painter().with_clip_rect(rect);
     for (name, light) in &scene.lights {
-        let is_chosen = matches!(&app.selected, Some(Selected::Light(other)) if other == name);
-        if is_lamp(light)
+        let is_chosen = matches!(outbox.selected(), Some(Selected::Light(other)) if other == name);
+        if selection::is_lamp(light)
             && let Some(at) = view.project(light.position)
         {
             let color = super::lights::screen_color(light.color);
@@ -193,13 +278,13 @@ fn decorate(ui: &Ui, view: &Projection, rect: Rect, scene: &SceneModel, app: &Ap
             painter.circle(at, if is_chosen { 6.0 } else { 4.5 }, color, Stroke::new(1.5, rim));
         }
     }
-    if let Some(object) = chosen_object(scene, app) {
+    if let Some(object) = selection::object(scene, outbox) {
         outline(&painter, view, object);
     }
-    let Some((placement, mode)) = handles(scene, app) else { return };
+    let Some((placement, mode)) = selection::handles(scene, state.mode, outbox) else { return };
     let Some(middle) = view.project(placement.position) else { return };
     let length = view.handle_length(placement.position);
-    let hovered = match &app.drag {
+    let hovered = match &state.drag {
         Some(drag) => Some(drag.handle),
         None => ui.ctx().pointer_hover_pos().and_then(|at| gizmo::hit(view, mode, &placement, at)),
     };
@@ -255,98 +340,18 @@ fn outline(painter: &egui::Painter, view: &Projection, object: &ObjectModel) {
     }
 }
 
-fn is_lamp(light: &Light) -> bool {
-    !matches!(light.kind, LightKind::Directional { .. })
-}
-
-fn chosen_object<'a>(scene: &'a SceneModel, app: &App) -> Option<&'a ObjectModel> {
-    let Some(Selected::Object(name)) = &app.selected else { return None };
-    scene.objects.iter().find(|object| object.name == *name)
-}
-
-/// The placement and mode of the handles; `None` if the selection has no handles.
-fn handles(scene: &SceneModel, app: &App) -> Option<(Placement, Mode)> {
-    match app.selected.as_ref()? {
-        Selected::Object(name) => {
-            let object = chosen_object(scene, app)?;
-            let key = format!("place {}", quoted(name));
-            Some((objects::held(app, &key, &object.placement), app.gizmo))
-        }
-        Selected::Light(name) => {
-            let (_, light) =
-                scene.lights.iter().find(|(other, light)| other == name && is_lamp(light))?;
-            let key = format!("light {} position", quoted(name));
-            let position = Vec3::from(app.numbers(&key, light.position.to_array()));
-            Some((Placement { position, rotation_deg: Vec3::ZERO, scale: Vec3::ONE }, Mode::Move))
-        }
-    }
-}
-
-/// Sends the selection's new placement.
-fn put(app: &mut App, placement: &Placement) {
-    match app.selected.clone() {
-        Some(Selected::Object(name)) => objects::place(app, &name, placement),
-        Some(Selected::Light(name)) => {
-            let key = format!("light {} position", quoted(&name));
-            let [x, y, z] = placement.position.to_array();
-            app.set_numbers(&key, [x, y, z], format!("{key} {x} {y} {z}"));
-        }
-        None => {}
-    }
-}
-
-/// The point that the camera orbits.
-pub fn pivot(app: &App) -> Vec3 {
-    let model = &app.published.model;
-    let Some(scene) = &model.scene else { return Vec3::ZERO };
-    let chosen = match (&app.selected, model.picked_at) {
-        (None, _) => None,
-        (Some(_), Some(at)) => Some(at),
-        (Some(Selected::Object(_)), None) => {
-            let bounds = chosen_object(scene, app).map(ObjectModel::bounds);
-            bounds.filter(|bounds| !bounds.is_empty()).map(|bounds| bounds.center())
-        }
-        (Some(Selected::Light(name)), None) => {
-            let light = scene.lights.iter().find(|(other, light)| other == name && is_lamp(light));
-            light.map(|(_, light)| light.position)
-        }
-    };
-    chosen.unwrap_or(scene.bounds.center())
-}
-
-/// Moves the camera so that the selection, or else the scene, fills the picture.
-pub fn frame_selection(app: &mut App, model: &Model) {
-    let Some(scene) = &model.scene else { return };
-    let bounds = match &app.selected {
-        Some(Selected::Object(_)) => chosen_object(scene, app).map(ObjectModel::bounds),
-        Some(Selected::Light(name)) => {
-            scene.lights.iter().find(|(other, _)| other == name).map(|(_, light)| {
-                let reach = Vec3::splat(scene.bounds.radius_m() * 0.1);
-                Bounds { min: light.position - reach, max: light.position + reach }
-            })
-        }
-        None => None,
-    };
-    let bounds = bounds.unwrap_or(scene.bounds);
-    if !bounds.is_empty() {
-        let size = model.settings.size.as_vec2();
-        app.move_camera(camera::frame(&app.camera(), bounds, size.x / size.y));
-    }
-}
-
 /// Handles the mouse: orbit, look, pan, dolly, the split, handles, clicks.
 fn mouse(
     ui: &Ui,
     response: &Response,
     view: &Projection,
     (rect, split): (Rect, Option<f32>),
-    scene: &SceneModel,
-    app: &mut App,
+    panel: &mut Panel<'_>,
 ) {
     let grip = ui.scope_id().with("split");
     let at = response.interact_pointer_pos().or_else(|| response.hover_pos());
     let Some(at) = at else {
-        if app.drag.take().is_some() {
+        if panel.state.drag.take().is_some() {
             ui.ctx().request_repaint();
         }
         return;
@@ -359,9 +364,13 @@ fn mouse(
     if response.drag_started_by(PointerButton::Primary) {
         let is_split = near_split(pressed_at);
         ui.data_mut(|data| data.insert_temp(grip, is_split));
-        if !is_split && let Some((placement, mode)) = handles(scene, app) {
+        if !is_split
+            && let Some((placement, mode)) =
+                selection::handles(panel.scene, panel.state.mode, panel.outbox)
+        {
             let handle = gizmo::hit(view, mode, &placement, pressed_at);
-            app.drag = handle.map(|handle| gizmo::Drag::new(mode, handle, placement, pressed_at));
+            panel.state.drag =
+                handle.map(|handle| gizmo::Drag::new(mode, handle, placement, pressed_at));
         }
     }
     let delta = response.drag_delta();
@@ -370,57 +379,59 @@ fn mouse(
     if response.dragged_by(PointerButton::Primary) {
         let is_split = ui.data(|data| data.get_temp::<bool>(grip)).unwrap_or(false);
         if is_split {
-            app.split = ((at.x - rect.left()) / rect.width().max(1.0)).clamp(0.0, 1.0);
-        } else if let Some(drag) = app.drag.clone() {
+            panel.state.split = ((at.x - rect.left()) / rect.width().max(1.0)).clamp(0.0, 1.0);
+        } else if let Some(drag) = panel.state.drag.clone() {
             let snaps = ui.input(|input| input.modifiers.command);
-            put(app, &drag.placement(view, at, snaps));
+            selection::put(panel.outbox, &drag.placement(view, at, snaps));
         } else if shift {
-            pan(app, delta, rect);
+            pan(panel, delta, rect);
         } else if delta != egui::Vec2::ZERO {
-            app.move_camera(camera::orbit(&app.camera(), pivot(app), turn));
+            let pivot = selection::pivot(panel.model, panel.outbox);
+            panel.move_camera(|camera| camera::orbit(camera, pivot, turn));
         }
     } else if response.dragged_by(PointerButton::Secondary) && delta != egui::Vec2::ZERO {
         // The picture follows the pointer.
-        app.move_camera(camera::look(&app.camera(), turn * 0.5));
+        panel.move_camera(|camera| camera::look(camera, turn * 0.5));
     } else if response.dragged_by(PointerButton::Middle) && delta != egui::Vec2::ZERO {
-        pan(app, delta, rect);
+        pan(panel, delta, rect);
     }
     if response.drag_stopped() {
-        app.drag = None;
+        panel.state.drag = None;
         ui.data_mut(|data| data.insert_temp(grip, false));
     }
     if response.clicked() && !near_split(at) {
-        let is_chosen = click(view, at, rect, scene, app);
+        let is_chosen = click(view, at, rect, panel);
         if response.double_clicked() && is_chosen {
-            frame_selection(app, &app.published.model.clone());
+            selection::frame(panel.model, panel.outbox);
         } else if response.double_clicked() {
-            app.frame_next_choice();
+            panel.state.frames_after = Some(panel.model.selections);
         }
     }
     if response.hovered() {
-        wheel(ui, app);
+        wheel(ui, panel);
     }
 }
 
-fn pan(app: &mut App, delta: egui::Vec2, rect: Rect) {
+fn pan(panel: &mut Panel<'_>, delta: egui::Vec2, rect: Rect) {
     let shares = Vec2::new(delta.x, delta.y) / rect.height().max(1.0);
     if shares != Vec2::ZERO {
-        app.move_camera(camera::pan(&app.camera(), pivot(app), shares));
+        let pivot = selection::pivot(panel.model, panel.outbox);
+        panel.move_camera(|camera| camera::pan(camera, pivot, shares));
     }
 }
 
 /// Selects a light there and returns `true`, or else asks the worker to pick an object.
-fn click(view: &Projection, at: Pos2, rect: Rect, scene: &SceneModel, app: &mut App) -> bool {
-    let lamp = scene.lights.iter().filter(|(_, light)| is_lamp(light)).find(|(_, light)| {
-        view.project(light.position).is_some_and(|there| there.distance(at) < REACH)
-    });
+fn click(view: &Projection, at: Pos2, rect: Rect, panel: &mut Panel<'_>) -> bool {
+    let lamp = panel.scene.lights.iter().filter(|(_, light)| selection::is_lamp(light)).find(
+        |(_, light)| view.project(light.position).is_some_and(|there| there.distance(at) < REACH),
+    );
     if let Some((name, _)) = lamp {
-        app.select(Some(Selected::Light(name.clone())));
+        panel.outbox.select(Some(Selected::Light(name.clone())));
         return true;
     }
     let share = (at - rect.min) / rect.size();
     if (0.0..=1.0).contains(&share.x) && (0.0..=1.0).contains(&share.y) {
-        app.order(Order::Pick(Vec2::new(share.x, share.y)));
+        panel.outbox.order(Order::Pick(Vec2::new(share.x, share.y)));
     }
     false
 }
@@ -434,20 +445,21 @@ fn is_flying(ui: &Ui) -> bool {
     })
 }
 
-fn wheel(ui: &Ui, app: &mut App) {
+fn wheel(ui: &Ui, panel: &mut Panel<'_>) {
     let notches = ui.input(|input| input.smooth_scroll_delta().y) / 40.0;
     if notches == 0.0 {
         return;
     }
     if is_flying(ui) {
-        app.config.speed = (app.config.speed * 1.15_f32.powf(notches)).clamp(0.05, 20.0);
+        *panel.speed = (*panel.speed * 1.15_f32.powf(notches)).clamp(0.05, 20.0);
     } else {
-        app.move_camera(camera::dolly(&app.camera(), pivot(app), DOLLY.powf(notches)));
+        let pivot = selection::pivot(panel.model, panel.outbox);
+        panel.move_camera(|camera| camera::dolly(camera, pivot, DOLLY.powf(notches)));
     }
 }
 
 /// Handles the keys of flight.
-fn keys(ui: &Ui, scene: &SceneModel, app: &mut App) {
+fn keys(ui: &Ui, panel: &mut Panel<'_>) {
     if ui.ctx().egui_wants_keyboard_input() {
         return;
     }
@@ -465,7 +477,8 @@ fn keys(ui: &Ui, scene: &SceneModel, app: &mut App) {
         return;
     }
     let fast = if is_fast { FAST } else { 1.0 };
-    let speed = scene.bounds.radius_m().max(1e-3) * FLIGHT * app.config.speed * fast;
-    app.move_camera(camera::fly(&app.camera(), way.normalize_or_zero() * speed * seconds));
+    let speed = panel.scene.bounds.radius_m().max(1e-3) * FLIGHT * *panel.speed * fast;
+    let way_m = way.normalize_or_zero() * speed * seconds;
+    panel.move_camera(|camera| camera::fly(camera, way_m));
     ui.ctx().request_repaint();
 }

@@ -7,9 +7,9 @@ use lumivox_render::Photometry;
 
 use super::icons::{self, Icon};
 use super::widgets::count;
-use crate::window::app::App;
-use crate::window::model::{Model, RENDERING};
-use crate::window::orders::Order;
+use crate::window::model::{Doing, Model, RENDERING};
+use crate::window::orders::{Order, Published};
+use crate::window::outbox::Outbox;
 use crate::window::theme;
 
 /// Interval at which times are updated. A spinner would repaint constantly, and take CPU time from
@@ -18,12 +18,13 @@ const TICK: Duration = Duration::from_millis(250);
 /// Activities that are shorter are not shown.
 const SOON: Duration = Duration::from_millis(400);
 
-/// Draws the status bar.
-pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
+/// Draws the status bar, with the light under the pointer.
+pub fn show(ui: &mut Ui, published: &Published, light: Option<Photometry>, outbox: &mut Outbox) {
+    let model = &*published.model;
     if let Some((number, text)) = &model.error {
         ui.horizontal(|ui| {
             if icons::button(ui, Icon::Cross, theme::ERROR, "Close the error").clicked() {
-                app.order(Order::CloseError(*number));
+                outbox.order(Order::CloseError(*number));
             }
             ui.add(egui::Label::new(RichText::new(text).color(theme::ERROR)).wrap());
         });
@@ -43,11 +44,13 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
             }
             ui.label(with_time(&job.words, job.since));
             if job.cancel.is_some() && ui.small_button("Cancel").clicked() {
-                app.order(Order::Cancel(job.cancel));
+                outbox.order(Order::Cancel(job.cancel));
             }
             ui.separator();
         }
-        doing(ui, model, app);
+        if let Some(activity) = &published.doing {
+            doing(ui, model, activity);
+        }
         if let Some(scene) = &model.scene {
             if let Some(frame) = model.frames.last() {
                 ui.label(format!("{:.0} ms", frame.total_ms))
@@ -63,7 +66,7 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
             ui.label(format!("{} triangles", count(scene.triangles as u64)));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if let Some(light) = app.light_under_pointer() {
+            if let Some(light) = light {
                 ui.label(light_words(light)).on_hover_text(
                     "Light under the pointer: what arrives there, and what a camera sees",
                 );
@@ -78,8 +81,7 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
 }
 
 /// Draws the worker's activity, its duration, and its progress.
-fn doing(ui: &mut Ui, model: &Model, app: &App) {
-    let Some(doing) = &app.published.doing else { return };
+fn doing(ui: &mut Ui, model: &Model, doing: &Doing) {
     // The time changes without a new model.
     ui.ctx().request_repaint_after(TICK);
     // Jobs show their own progress.

@@ -7,16 +7,22 @@ use lumivox_render::View;
 
 use super::widgets::{rest_width, row, weak};
 use super::{histogram, parameters};
-use crate::window::app::App;
 use crate::window::lines::quoted;
 use crate::window::model::{Comparand, Model};
+use crate::window::outbox::Outbox;
 
-/// Draws the view, comparison and camera.
-pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
-    parameters::named(ui, "view", model, app);
-    parameters::named(ui, "level", model, app);
-    compare(ui, model, app);
-    parameters::group(ui, Group::Overlay, model, app);
+/// Draws the view, comparison and camera: the name to store it under, and its speed of flight.
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    camera_name: &mut String,
+    speed: &mut f32,
+    outbox: &mut Outbox,
+) {
+    parameters::named(ui, "view", model, outbox);
+    parameters::named(ui, "level", model, outbox);
+    compare(ui, model, outbox);
+    parameters::group(ui, Group::Overlay, model, outbox);
     let Some(scene) = &model.scene else { return };
     row(ui, "Camera", "One of the scene's cameras, or one that was stored under a name", |ui| {
         let width = rest_width(ui);
@@ -28,7 +34,7 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
                     scene.cameras.iter().chain(stored).map(String::as_str).chain(["framing"])
                 {
                     if ui.selectable_label(false, name).clicked() {
-                        app.line(format!("camera {}", quoted(name)));
+                        outbox.line(format!("camera {}", quoted(name)));
                     }
                 }
             })
@@ -39,35 +45,34 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
         for number in [1, 2] {
             let go = egui::Button::new(format!("Go {number}"));
             if ui.add_enabled(model.has_position[number - 1], go).clicked() {
-                app.line(format!("pos{number}"));
+                outbox.line(format!("pos{number}"));
             }
             if ui.button("Set").on_hover_text(format!("Keep this view as {number}")).clicked() {
-                app.line(format!("store {number}"));
+                outbox.line(format!("store {number}"));
             }
         }
     });
     row(ui, "Store as", "Keeps this view under a name, among the cameras above", |ui| {
-        let field = egui::TextEdit::singleline(&mut app.camera_name).hint_text("name");
+        let field = egui::TextEdit::singleline(camera_name).hint_text("name");
         let field = ui.add(field.desired_width((rest_width(ui) - 46.0).max(40.0)));
         let field = field.accessible_name("Name to store the camera under");
         let is_typed = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-        let has_name = !app.camera_name.trim().is_empty();
+        let has_name = !camera_name.trim().is_empty();
         let is_stored = ui.add_enabled(has_name, egui::Button::new("Store")).clicked();
         if has_name && (is_typed || is_stored) {
-            let name = std::mem::take(&mut app.camera_name);
-            app.line(format!("store {}", quoted(name.trim())));
+            let name = std::mem::take(camera_name);
+            outbox.line(format!("store {}", quoted(name.trim())));
         }
     });
     row(ui, "Speed", "How fast W, A, S, D fly; the wheel changes it in flight", |ui| {
         ui.spacing_mut().slider_width = (rest_width(ui) - 54.0).max(30.0);
-        let slider =
-            egui::Slider::new(&mut app.config.speed, 0.05..=20.0).logarithmic(true).max_decimals(2);
+        let slider = egui::Slider::new(speed, 0.05..=20.0).logarithmic(true).max_decimals(2);
         ui.add(slider.suffix("x")).accessible_name("Speed of flight");
     });
 }
 
 /// Draws the choice of the picture behind the split slider.
-fn compare(ui: &mut Ui, model: &Model, app: &mut App) {
+fn compare(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let name = match model.comparand {
         Comparand::Nothing => "nothing",
         Comparand::View(view) => view.name(),
@@ -83,7 +88,7 @@ fn compare(ui: &mut Ui, model: &Model, app: &mut App) {
                 let views = View::ALL.iter().map(|view| view.name());
                 for choice in ["nothing", "reference"].into_iter().chain(views) {
                     if ui.selectable_label(choice == name, choice).clicked() {
-                        app.line(format!("compare_with {choice}"));
+                        outbox.line(format!("compare_with {choice}"));
                     }
                 }
             })
@@ -93,7 +98,7 @@ fn compare(ui: &mut Ui, model: &Model, app: &mut App) {
 }
 
 /// Draws the presets and cones.
-pub fn cones(ui: &mut Ui, model: &Model, app: &mut App) {
+pub fn cones(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let name = model.preset.name();
     row(ui, "Preset", "Cones, and what goes with them", |ui| {
         let width = rest_width(ui);
@@ -102,7 +107,7 @@ pub fn cones(ui: &mut Ui, model: &Model, app: &mut App) {
             .show_ui(ui, |ui| {
                 for preset in PRESETS.iter().map(|preset| preset.name()) {
                     if ui.selectable_label(preset == name, preset).clicked() {
-                        app.line(format!("preset {preset}"));
+                        outbox.line(format!("preset {preset}"));
                     }
                 }
             })
@@ -112,15 +117,15 @@ pub fn cones(ui: &mut Ui, model: &Model, app: &mut App) {
     // Each look has its own cone settings.
     let look = model.settings.look.as_ref();
     let group = look.map_or(Group::Cones, |look| Group::Look(look.name()));
-    parameters::group(ui, group, model, app);
+    parameters::group(ui, group, model, outbox);
 }
 
 /// Draws frames, exposure, tone curve and size.
-pub fn picture(ui: &mut Ui, model: &Model, app: &mut App) {
+pub fn picture(ui: &mut Ui, model: &Model, is_half_size: &mut bool, outbox: &mut Outbox) {
     histogram::show(ui, model);
-    parameters::group(ui, Group::Picture, model, app);
+    parameters::group(ui, Group::Picture, model, outbox);
     row(ui, "Half size", "Half as many pixels along each edge", |ui| {
-        ui.checkbox(&mut app.config.half_size, "").accessible_name("Half size");
+        ui.checkbox(is_half_size, "").accessible_name("Half size");
     });
     let tip = "The time that a frame may take while something moves: pictures have fewer pixels if it takes longer, and all \
                of them again at rest";
@@ -131,7 +136,7 @@ pub fn picture(ui: &mut Ui, model: &Model, app: &mut App) {
         let shown = combo.selected_text(words(now_ms)).show_ui(ui, |ui| {
             for ms in [0.0, 8.0, 16.0, FRAME_BUDGET_MS, 50.0, 100.0] {
                 if ui.selectable_label(ms.to_bits() == now_ms.to_bits(), words(ms)).clicked() {
-                    app.line(format!("frame_budget {ms}"));
+                    outbox.line(format!("frame_budget {ms}"));
                 }
             }
         });

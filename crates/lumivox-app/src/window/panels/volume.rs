@@ -6,16 +6,16 @@ use lumivox_explorer::parameters::Group;
 
 use super::parameters;
 use super::widgets::{bytes, count, rest_width, row, weak};
-use crate::window::app::App;
 use crate::window::model::Model;
+use crate::window::outbox::Outbox;
 use crate::window::theme;
 
 /// Draws the settings, figures and memory.
-pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
-    parameters::group(ui, Group::Volume, model, app);
+pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    parameters::group(ui, Group::Volume, model, outbox);
     // It is also among the light settings, hence the id.
-    ui.push_id("volume", |ui| parameters::named(ui, "injection", model, app));
-    revoxelize(ui, model, app);
+    ui.push_id("volume", |ui| parameters::named(ui, "injection", model, outbox));
+    revoxelize(ui, model, outbox);
     let voxels = &model.voxels;
     if voxels.voxels > 0 {
         let [x, y, z] = voxels.dimensions;
@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
     memory(ui, model);
 }
 
-fn revoxelize(ui: &mut Ui, model: &Model, app: &mut App) {
+fn revoxelize(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let name = match model.revoxelize {
         Revoxelize::WhenMoved => "when moved".to_owned(),
         Revoxelize::WhenAsked => "when asked".to_owned(),
@@ -53,7 +53,7 @@ fn revoxelize(ui: &mut Ui, model: &Model, app: &mut App) {
                     ("every frame", "every_frame"),
                 ] {
                     if ui.selectable_label(false, words).clicked() {
-                        app.line(format!("revoxelize {command}"));
+                        outbox.line(format!("revoxelize {command}"));
                     }
                 }
             })

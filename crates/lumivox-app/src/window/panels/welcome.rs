@@ -3,13 +3,20 @@
 use egui::{Align, Layout, RichText, ScrollArea, Ui, vec2};
 use lumivox_scene::builtin;
 
+use super::files::Dialogs;
 use super::widgets::weak;
-use crate::window::app::App;
 use crate::window::model::Model;
+use crate::window::outbox::Outbox;
 use crate::window::theme;
 
 /// Draws a button for the dialog, built-in scenes, and recent files.
-pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    recent: &[String],
+    dialogs: &mut Dialogs,
+    outbox: &mut Outbox,
+) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.with_layout(Layout::top_down(Align::Center), |ui| {
             ui.set_max_width(ui.available_width().min(460.0));
@@ -20,7 +27,7 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
             if model.jobs.is_empty() {
                 let open = egui::Button::new(RichText::new("Open a scene ...").size(14.0));
                 if ui.add(open.min_size(vec2(180.0, 28.0))).clicked() {
-                    app.dialogs.open();
+                    dialogs.open();
                 }
                 weak(ui, "or drop a file onto this window");
             } else {
@@ -33,17 +40,17 @@ pub fn show(ui: &mut Ui, model: &Model, app: &mut App) {
             ui.horizontal_wrapped(|ui| {
                 for name in builtin::names() {
                     if ui.button(*name).clicked() {
-                        app.open_source(&format!("builtin:{name}"));
+                        outbox.open(&format!("builtin:{name}"));
                     }
                 }
             });
-            if !app.config.recent.is_empty() {
+            if !recent.is_empty() {
                 ui.add_space(12.0);
                 ui.label(RichText::new("Recent").strong());
-                for source in app.config.recent.clone() {
-                    let link = egui::Button::new(&source).frame(false).truncate();
+                for source in recent {
+                    let link = egui::Button::new(source).frame(false).truncate();
                     if ui.add(link).clicked() {
-                        app.open_source(&source);
+                        outbox.open(source);
                     }
                 }
             }
