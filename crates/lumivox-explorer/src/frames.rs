@@ -3,8 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use glam::UVec2;
-use lumivox_render::{Metering, Photometry, Picture, RenderError, RenderProgress, TraceFigures};
+use lumivox_render::{Picture, RenderError, RenderProgress};
 use web_time::Instant;
 
 use crate::{Explorer, ExplorerError};
@@ -117,84 +116,9 @@ impl Explorer {
                 progress(RenderProgress { stage: "render", done, total: self.settings.frames });
             }
         }
-        if let Some(renderer) = &mut self.renderer {
-            renderer.complete_overlay().await?;
-        }
-        self.finish().await
-    }
-
-    /// The picture of the frames so far; renders one if there is none.
-    ///
-    /// # Errors
-    /// When the device fails.
-    pub async fn finish(&mut self) -> Result<Option<Picture>, ExplorerError> {
         let Some(renderer) = &mut self.renderer else { return Ok(None) };
+        renderer.complete_overlay().await?;
         Ok(Some(renderer.finish().await?))
-    }
-
-    /// The pixels for a screen from the frames so far, exposed by `stops`; see [`Self::meter`].
-    ///
-    /// # Errors
-    /// When the device fails.
-    pub async fn screen(&mut self, stops: f32) -> Result<Option<Vec<[u8; 4]>>, ExplorerError> {
-        let Some(renderer) = &mut self.renderer else { return Ok(None) };
-        Ok(Some(renderer.screen(stops).await?))
-    }
-
-    /// Like [`Self::screen`], but leaves the pixels on the device in [`Self::screen_texture`].
-    ///
-    /// # Errors
-    /// When the device fails.
-    pub async fn draw(&mut self, stops: f32) -> Result<(), ExplorerError> {
-        match &mut self.renderer {
-            Some(renderer) => Ok(renderer.draw_screen(stops).await?),
-            None => Ok(()),
-        }
-    }
-
-    /// The texture that [`Self::draw`] drew last; see [`lumivox_render::Renderer::screen_texture`].
-    pub fn screen_texture(&self) -> Option<&lumivox::gpu::Texture> {
-        self.renderer.as_ref().map(lumivox_render::Renderer::screen_texture)
-    }
-
-    /// The light at a pixel of the frames so far; see [`lumivox_render::Renderer::photometry`].
-    ///
-    /// # Errors
-    /// When the device fails.
-    pub async fn probe(&self, pixel: UVec2) -> Result<Option<Photometry>, ExplorerError> {
-        let Some(renderer) = &self.renderer else { return Ok(None) };
-        Ok(renderer.photometry(pixel).await?)
-    }
-
-    /// The cost of the last frame's cones, and how long its light has been known; see
-    /// [`lumivox_render::Renderer::trace_figures`].
-    ///
-    /// # Errors
-    /// When the device fails.
-    pub async fn trace_figures(&mut self) -> Result<Option<TraceFigures>, ExplorerError> {
-        let Some(renderer) = &mut self.renderer else { return Ok(None) };
-        Ok(renderer.trace_figures().await?)
-    }
-
-    /// Measures the frames so far: the stops that the exposure asks for, and a warning if something
-    /// is wrong with them.
-    ///
-    /// # Errors
-    /// When the device fails.
-    pub async fn meter(&self) -> Result<Metering, ExplorerError> {
-        let nothing = Metering { stops: 0.0, warning: None, histogram: None };
-        let Some(renderer) = &self.renderer else { return Ok(nothing) };
-        Ok(renderer.meter().await?)
-    }
-
-    /// The times of the last frames.
-    pub fn times(&self) -> &FrameTimes {
-        &self.times
-    }
-
-    /// Forgets the times of all frames.
-    pub fn clear_times(&mut self) {
-        self.times.clear();
     }
 }
 

@@ -1,6 +1,6 @@
 //! Undo and redo.
 
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 use lumivox::{OctreeOptions, Preset, VolumeKind};
 use pollster::block_on;
 
@@ -92,7 +92,10 @@ fn all_that_changes_is_taken_back_and_done_again() {
         .unwrap();
     explorer.set_hidden(last, true);
     assert_eq!(undone(&mut explorer), "preset high");
-    assert_eq!((explorer.camera(), explorer.size()), (&Camera::default(), UVec2::new(8, 8)));
+    assert_eq!(
+        (explorer.camera(), explorer.settings().size),
+        (&Camera::default(), UVec2::new(8, 8))
+    );
 }
 
 /// A drag is one step, the next drag of the same thing another, and what comes in between ends it.

@@ -22,8 +22,9 @@
 //! let scene = lumivox_scene::builtin::scene("cornell")?;
 //! explorer.open(PreparedScene::new(scene, &SightOptions::default(), &mut |_| {})?);
 //! while explorer.frame(&mut |_| {}).await? {
-//!     let stops = explorer.meter().await?.stops;
-//!     let pixels = explorer.screen(stops).await?; // show them
+//!     let Some(renderer) = explorer.renderer_mut() else { break };
+//!     let stops = renderer.meter().await?.stops;
+//!     let pixels = renderer.screen(stops).await?; // show them
 //! }
 //! explorer.set_hidden(0, true); // the picture starts again
 //! # drop(explorer);
@@ -74,7 +75,7 @@ mod update;
 
 use std::collections::BTreeMap;
 
-use glam::{UVec2, Vec3};
+use glam::Vec3;
 use lumivox_render::{Gpu, PresetChoice, RenderProgress, RenderSettings, Renderer};
 use lumivox_scene::{Bounds, Camera, InstanceBounds, Scene};
 use web_time::Instant;
@@ -151,7 +152,8 @@ pub struct Explorer {
     /// Bounds of the objects at their present places.
     boxes: InstanceBounds,
     history: History,
-    times: FrameTimes,
+    /// The times of the last frames.
+    pub times: FrameTimes,
     /// Seconds since voxels were last made at an interval.
     since_voxels_s: f32,
     /// The last call of [`Explorer::tick_clock`], or the start of playback.
@@ -232,6 +234,11 @@ impl Explorer {
     /// The scene with all changes; `None` before one was opened.
     pub fn scene(&self) -> Option<&Scene> {
         self.opened.as_ref().map(|opened| &opened.scene)
+    }
+
+    /// The scene with its edits, and as it was before them.
+    pub fn opened(&self) -> Option<&PreparedScene> {
+        self.opened.as_ref()
     }
 
     /// A number that rises whenever a scene is opened or closed.
@@ -356,11 +363,6 @@ impl Explorer {
         self.settings.with_preset(preset, self.scene())
     }
 
-    /// Width and height of the picture, px.
-    pub fn size(&self) -> UVec2 {
-        self.settings.size
-    }
-
     /// The camera of the picture.
     pub fn camera(&self) -> &Camera {
         &self.camera
@@ -412,6 +414,13 @@ impl Explorer {
     /// The renderer; `None` before the first frame.
     pub fn renderer(&self) -> Option<&Renderer> {
         self.renderer.as_ref()
+    }
+
+    /// The renderer, for reading pictures and figures. Its scene, camera and settings are those of
+    /// the explorer: change them there. The next [`Self::update`] replaces another camera or other
+    /// settings.
+    pub fn renderer_mut(&mut self) -> Option<&mut Renderer> {
+        self.renderer.as_mut()
     }
 
     /// Changes lights and surroundings of the scene.

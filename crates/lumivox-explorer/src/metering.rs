@@ -11,6 +11,9 @@ use crate::{Explorer, ExplorerError};
 /// The least time between two measurements while the scene or the camera moves.
 const MEASURE_EVERY: Duration = Duration::from_millis(250);
 
+/// The measurement without a renderer.
+const NOTHING: Metering = Metering { stops: 0.0, warning: None, histogram: None };
+
 /// The exposure that pictures are shown with, and when it was measured.
 #[derive(Clone, Copy, Debug)]
 pub struct ExposureMeter {
@@ -23,8 +26,7 @@ pub struct ExposureMeter {
 
 impl Default for ExposureMeter {
     fn default() -> Self {
-        let last = Metering { stops: 0.0, warning: None, histogram: None };
-        Self { last, measured: None, frames: None }
+        Self { last: NOTHING, measured: None, frames: None }
     }
 }
 
@@ -70,7 +72,7 @@ impl ExposureMeter {
         if !self.is_due(frames, frames >= explorer.settings().frames) {
             return Ok(None);
         }
-        let metering = explorer.meter().await?;
+        let metering = meter(explorer).await?;
         Ok(self.take(&metering, frames))
     }
 
@@ -80,7 +82,7 @@ impl ExposureMeter {
     /// # Errors
     /// If the device fails.
     pub async fn follow_first(&mut self, explorer: &Explorer) -> Result<(), ExplorerError> {
-        self.last.stops = explorer.meter().await?.stops;
+        self.last.stops = meter(explorer).await?.stops;
         self.forget();
         Ok(())
     }
@@ -94,7 +96,7 @@ impl ExposureMeter {
         if first.is_light() && explorer.settings().view.is_light() {
             return Ok(self.last.stops);
         }
-        Ok(explorer.meter().await?.stops)
+        Ok(meter(explorer).await?.stops)
     }
 
     /// Pictures are measured at 1, 2, 4, 8, ... frames and at the last one. While something moves,
@@ -114,6 +116,13 @@ impl ExposureMeter {
         let is_known = metering.warning.map(|w| discriminant(&w))
             == before.warning.map(|warning| discriminant(&warning));
         metering.warning.filter(|_| !is_known)
+    }
+}
+
+async fn meter(explorer: &Explorer) -> Result<Metering, ExplorerError> {
+    match explorer.renderer() {
+        Some(renderer) => Ok(renderer.meter().await?),
+        None => Ok(NOTHING),
     }
 }
 

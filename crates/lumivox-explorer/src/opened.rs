@@ -29,8 +29,7 @@ pub struct PreparedScene {
     pub(crate) marks: Vec<Marks>,
     /// The objects' edits by name.
     pub(crate) edits: BTreeMap<String, Edit>,
-    /// Lights and materials before any change.
-    pub(crate) original: Original,
+    original: Original,
     notes: Vec<Note>,
 }
 
@@ -89,8 +88,13 @@ impl PreparedScene {
         &self.notes
     }
 
+    /// Lights and materials before any change.
+    pub fn original(&self) -> &Original {
+        &self.original
+    }
+
     /// The scene's second and third camera: the stored positions at first.
-    pub(crate) fn positions(&self) -> [Option<Camera>; 2] {
+    pub fn positions(&self) -> [Option<Camera>; 2] {
         [1, 2].map(|number| self.scene.cameras.get(number).cloned())
     }
 }

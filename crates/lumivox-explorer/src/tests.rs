@@ -1,7 +1,7 @@
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
-use glam::{Mat4, Vec3};
+use glam::{Mat4, UVec2, Vec3};
 use lumivox::Preset;
 use pollster::block_on;
 
@@ -140,7 +140,7 @@ fn what_moves_in_realtime_is_followed_frame_by_frame() {
         explorer.transform(last, Mat4::from_translation(Vec3::X * 0.01));
         let mut tell = |step: RenderProgress| stages.push(step.stage);
         assert!(block_on(explorer.frame(&mut tell)).unwrap());
-        assert!(!explorer.has_stale_voxels());
+        assert!(!explorer.renderer().unwrap().has_stale_voxels());
     }
     let rest = (0..32).take_while(|_| block_on(explorer.frame(&mut |_| {})).unwrap()).count();
     assert!(rest < 8, "{rest} frames more than one");
@@ -229,7 +229,7 @@ fn voxels_follow_when_they_shall() {
     let last = explorer.object_names().len() - 1;
     explorer.transform(last, Mat4::from_translation(Vec3::X * 0.1));
     let stale = picture(&mut explorer);
-    assert!(explorer.has_stale_voxels());
+    assert!(explorer.renderer().unwrap().has_stale_voxels());
     explorer.ask_for_voxels();
     let followed = picture(&mut explorer);
     assert!(followed == fresh(&explorer) && followed != stale);
@@ -238,7 +238,7 @@ fn voxels_follow_when_they_shall() {
         explorer.transform(last, Mat4::from_translation(Vec3::Z * 0.05));
         explorer.tick(0.1).unwrap();
         let seen = picture(&mut explorer);
-        assert!(!explorer.has_stale_voxels());
+        assert!(!explorer.renderer().unwrap().has_stale_voxels());
         assert!(seen == fresh(&explorer), "{policy:?}");
     }
 }
@@ -314,7 +314,7 @@ fn a_closed_scene_leaves_nothing_behind() {
     explorer.close();
     assert_eq!(explorer.position(0), None);
     assert_eq!(explorer.settings().grid_bounds, None);
-    assert_eq!(explorer.times().count(), 0);
+    assert_eq!(explorer.times.count(), 0);
 }
 
 #[test]
@@ -410,4 +410,13 @@ fn settings_are_tried_at_once() {
     assert_eq!((explorer.preset(), explorer.settings()), (report, &settings));
     assert_eq!(explorer.renderer().unwrap().settings(), &settings);
     assert!(picture(&mut explorer) == fresh(&explorer));
+}
+
+#[test]
+fn a_camera_set_on_the_renderer_does_not_last() {
+    let mut explorer = explorer("cornell");
+    block_on(explorer.frame(&mut |_| {})).unwrap();
+    explorer.renderer_mut().unwrap().set_camera(Camera::default());
+    block_on(explorer.update(&mut |_| {})).unwrap();
+    assert_eq!(explorer.renderer().unwrap().camera(), explorer.camera());
 }

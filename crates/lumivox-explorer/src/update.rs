@@ -38,14 +38,10 @@ impl Explorer {
         self.pending.voxels = true;
     }
 
-    /// Whether voxels are still where objects no longer are.
-    pub fn has_stale_voxels(&self) -> bool {
-        self.renderer.as_ref().is_some_and(Renderer::has_stale_voxels)
-    }
-
     /// Requests new voxels if another policy has left stale ones.
     pub(crate) fn catch_up(&mut self) {
-        self.pending.voxels |= self.revoxelize == Revoxelize::WhenMoved && self.has_stale_voxels();
+        let has_stale_voxels = self.renderer.as_ref().is_some_and(Renderer::has_stale_voxels);
+        self.pending.voxels |= self.revoxelize == Revoxelize::WhenMoved && has_stale_voxels;
     }
 
     /// Brings the renderer up to date with all changes since the last call; does nothing without a

@@ -197,7 +197,7 @@ impl Beside {
 
     /// Renders one frame of the right side; stores the left picture first.
     async fn render_right(&mut self, session: &mut Session, view: View) -> Result<bool, WebError> {
-        let size = session.explorer().size();
+        let size = session.explorer().settings().size;
         if self.left_still.is_none() {
             let pixels = session.screen().await?;
             self.left_still = Some(Still::new(session.gpu(), size, pixels));
@@ -218,7 +218,7 @@ impl Beside {
         if session.render_view(session.view()).await? {
             return Ok(false);
         }
-        let (gpu, size) = (session.gpu().clone(), session.explorer().size());
+        let (gpu, size) = (session.gpu().clone(), session.explorer().settings().size);
         let tracer = match &mut self.tracer {
             Some(tracer) => tracer,
             None => {

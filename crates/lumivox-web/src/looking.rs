@@ -17,7 +17,7 @@ impl Session {
         check(at)?;
         let scene = self.console.explorer.scene().ok_or_else(no_scene)?;
         let picker = self.picker.get_or_insert_with(|| Picker::new(scene));
-        let size = self.console.explorer.size();
+        let size = self.console.explorer.settings().size;
         let (eye, direction) = self.console.explorer.camera().ray(at * size.as_vec2(), size);
         let Some(pick) = picker.pick(eye, direction) else { return Ok(None) };
         let Some(instance) = scene.instances.get(pick.instance) else { return Ok(None) };
@@ -45,9 +45,10 @@ impl Session {
         if self.beside.is_some() {
             return Ok(None);
         }
-        let size = self.console.explorer.size();
+        let size = self.console.explorer.settings().size;
         let pixel = (at * size.as_vec2()).as_uvec2().min(size.saturating_sub(UVec2::ONE));
-        Ok(self.console.explorer.probe(pixel).await?.map(LightHere::from))
+        let Some(renderer) = self.console.explorer.renderer() else { return Ok(None) };
+        Ok(renderer.photometry(pixel).await?.map(LightHere::from))
     }
 
     /// The histogram of the picture when it was last exposed.

@@ -38,7 +38,7 @@ impl Session {
 
     /// Width over height of the picture.
     pub(crate) fn aspect(&self) -> f32 {
-        let size = self.console.explorer.size();
+        let size = self.console.explorer.settings().size;
         size.x as f32 / size.y as f32
     }
 
@@ -96,8 +96,8 @@ impl Session {
         let shown = async {
             self.update(listener).await?;
             self.render_view(self.view).await?;
-            let Some(picture) = self.console.explorer.screen_texture() else { return Ok(()) };
-            self.presenter.show(self.console.explorer.gpu(), picture, None)
+            let Some(renderer) = self.console.explorer.renderer() else { return Ok(()) };
+            self.presenter.show(self.console.explorer.gpu(), renderer.screen_texture(), None)
         };
         let shown = shown.await;
         self.console.explorer.set_settings(asked)?;

@@ -329,7 +329,7 @@ pub fn voxel_model(explorer: &Explorer) -> VoxelModel {
         cascades: grid.cascades.map_or(0, |cascades| cascades.count),
         edge_m: grid.voxel_size_m,
         levels: grid.levels,
-        are_stale: explorer.has_stale_voxels(),
+        are_stale: renderer.has_stale_voxels(),
     }
 }
 

@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use egui::TextureId;
 use glam::UVec2;
-use lumivox_explorer::{Explorer, ExplorerError};
-use lumivox_render::{Gpu, GpuId};
+use lumivox_explorer::Explorer;
+use lumivox_render::{Gpu, GpuId, RenderError};
 
 /// Number of pictures on the screen: the rendering, and the one it is compared with.
 pub const PICTURES: usize = 2;
@@ -62,15 +62,15 @@ impl Screen {
         &mut self,
         explorer: &mut Explorer,
         stops: f32,
-    ) -> Result<Option<Pixels>, ExplorerError> {
-        if self.device != Some(explorer.gpu().id) {
-            return Ok(explorer.screen(stops).await?.map(Pixels::InMemory));
+    ) -> Result<Option<Pixels>, RenderError> {
+        let gpu = explorer.gpu().clone();
+        let Some(renderer) = explorer.renderer_mut() else { return Ok(None) };
+        if self.device != Some(gpu.id) {
+            return Ok(Some(Pixels::InMemory(renderer.screen(stops).await?)));
         }
-        explorer.draw(stops).await?;
-        let (gpu, Some(drawn)) = (explorer.gpu(), explorer.screen_texture()) else {
-            return Ok(None);
-        };
-        let texture = self.free_texture(gpu, drawn.size());
+        renderer.draw_screen(stops).await?;
+        let drawn = renderer.screen_texture();
+        let texture = self.free_texture(&gpu, drawn.size());
         let mut encoder =
             gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let (from, to) = (drawn.as_image_copy(), texture.as_image_copy());

@@ -22,10 +22,12 @@ pub fn object<'a>(scene: &'a SceneModel, outbox: &Outbox) -> Option<&'a ObjectMo
 }
 
 /// An object's pending placement, or else its current one.
-pub fn placement(outbox: &Outbox, key: &str, now: &Placement) -> Placement {
+pub fn placement(object: &ObjectModel, outbox: &Outbox) -> Placement {
+    let Placement { position, rotation_deg, scale } = object.placement;
     // Matrices yield -0.0, which adding zero turns into 0.0.
-    let [p, r, s] = [now.position, now.rotation_deg, now.scale].map(|v| v + Vec3::ZERO);
-    let n = outbox.numbers(key, [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z]);
+    let [p, r, s] = [position, rotation_deg, scale].map(|v| v + Vec3::ZERO);
+    let key = format!("place {}", quoted(&object.name));
+    let n = outbox.numbers(&key, [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z]);
     Placement {
         position: Vec3::new(n[0], n[1], n[2]),
         rotation_deg: Vec3::new(n[3], n[4], n[5]),
@@ -45,11 +47,7 @@ pub fn place(outbox: &mut Outbox, name: &str, placement: &Placement) {
 /// The placement and mode of the handles; `None` if the selection has no handles.
 pub fn handles(scene: &SceneModel, mode: Mode, outbox: &Outbox) -> Option<(Placement, Mode)> {
     match outbox.selected()? {
-        Selected::Object(name) => {
-            let object = object(scene, outbox)?;
-            let key = format!("place {}", quoted(name));
-            Some((placement(outbox, &key, &object.placement), mode))
-        }
+        Selected::Object(_) => Some((placement(object(scene, outbox)?, outbox), mode)),
         Selected::Light(name) => {
             let (_, light) =
                 scene.lights.iter().find(|(other, light)| other == name && is_lamp(light))?;

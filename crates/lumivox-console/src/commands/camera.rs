@@ -191,7 +191,7 @@ fn camera(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     {
         *vertical_fov_rad = console.explorer.camera().vertical_fov_rad;
     }
-    let size = console.explorer.size();
+    let size = console.explorer.settings().size;
     let found = resolve(Some(&chosen), scene, size.x as f32 / size.y as f32).map_err(|error| {
         let names = scene
             .cameras

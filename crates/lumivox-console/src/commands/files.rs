@@ -127,7 +127,7 @@ fn load(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         Some(defaults) if arguments.len() == 1 => defaults.clone(),
         _ => (read.load, read.light),
     };
-    let size = console.explorer.size();
+    let size = console.explorer.settings().size;
     let opening = SceneRequest {
         source: console.outside.find(&read.scene, console.scene_request())?,
         load,

@@ -105,7 +105,7 @@ pub const TABLE: &[Command] = &[
         example: "clearf",
         vxct: Some(""),
         run: Now(|console, _| {
-            console.explorer.clear_times();
+            console.explorer.times.clear();
             Ok(Reply::default())
         }),
         ..FRAMES
@@ -122,7 +122,7 @@ pub const TABLE: &[Command] = &[
         run: Now(|console, arguments| {
             let text = arguments.first().copied().unwrap_or_default();
             let count = number(text, "frames", 1..=4096)? as usize;
-            let times: Vec<String> = console.explorer.times().last(count).map(ms).collect();
+            let times: Vec<String> = console.explorer.times.last(count).map(ms).collect();
             Ok(Reply::say(match times.as_slice() {
                 [] => "no frame has been rendered yet".to_owned(),
                 times => times.join("\n"),
@@ -194,7 +194,7 @@ async fn step(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply
         .await?;
     let total = explorer.settings().frames;
     let done = explorer.renderer().map_or(0, lumivox_render::Renderer::frame_count);
-    let time = explorer.times().last(1).next().unwrap_or_default();
+    let time = explorer.times.last(1).next().unwrap_or_default();
     Ok(Reply::say(if is_new {
         format!("frame {done} of {total}, {} ms", ms(time))
     } else {
@@ -209,15 +209,15 @@ async fn average(console: &mut Console) -> anyhow::Result<Reply> {
     console.update().await?;
     let Console { explorer, listener, .. } = console;
     let start = Instant::now();
-    while explorer.times().count() < MEASURED {
+    while explorer.times.count() < MEASURED {
         explorer.rehearse().await?;
-        let done = explorer.times().count() as u32;
+        let done = explorer.times.count() as u32;
         let step = RenderProgress { stage: "render", done, total: MEASURED as u32 };
         if listener.progress(step).is_break() || start.elapsed() > LONGEST_MEASUREMENT {
             break;
         }
     }
-    let times: Vec<Duration> = explorer.times().last(MEASURED).collect();
+    let times: Vec<Duration> = explorer.times.last(MEASURED).collect();
     let mean = times.iter().sum::<Duration>() / (times.len() as u32).max(1);
     Ok(Reply::say(format!("{} ms, mean of {}", ms(mean), frames(times.len()))))
 }

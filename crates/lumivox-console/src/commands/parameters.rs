@@ -234,7 +234,7 @@ fn preset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
 /// `size [WIDTHxHEIGHT]`
 pub fn size(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let Some(text) = arguments.first() else {
-        let size = console.explorer.size();
+        let size = console.explorer.settings().size;
         return Ok(Reply::say(format!("size {}x{}", size.x, size.y)));
     };
     let size = crate::values::size::size(text).map_err(refused("size", text))?;

@@ -114,7 +114,7 @@ async fn trace(console: &mut Console, samples: u32) -> anyhow::Result<ReferenceL
     let scene = explorer.scene().filter(|scene| scene.shown().next().is_some());
     let scene = scene.ok_or_else(nothing_to_show)?;
     let settings = ReferenceSettings {
-        size: explorer.size(),
+        size: explorer.settings().size,
         samples,
         occlusion_distance_m: explorer.settings().trace.occlusion_distance_m,
         ..ReferenceSettings::default()

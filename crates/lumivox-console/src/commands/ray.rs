@@ -53,7 +53,7 @@ fn show(console: &mut Console, mark: RayMarker) -> anyhow::Result<()> {
 fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let explorer = &console.explorer;
     let scene = explorer.scene().ok_or_else(nothing_to_show)?;
-    let size = explorer.size();
+    let size = explorer.settings().size;
     let through = |pixel: Vec2| explorer.camera().ray(pixel, size);
     let (origin, direction) = match arguments {
         [] => through(0.5 * size.as_vec2()),

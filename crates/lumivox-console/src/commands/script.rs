@@ -1,7 +1,8 @@
 //! The command `script`: the commands that lead to the present picture.
 
 use lumivox_explorer::parameters::{Parameter, find_parameter};
-use lumivox_explorer::{FRAME_BUDGET_MS, Revoxelize};
+use lumivox_explorer::{FRAME_BUDGET_MS, PreparedScene, Revoxelize};
+use lumivox_render::Renderer;
 use lumivox_scene::{Light, Scene};
 
 use super::{animation, camera, files, lights, materials, objects, parameters, voxels};
@@ -66,7 +67,7 @@ fn lines(console: &Console) -> Vec<String> {
     lines.extend(light_lines(console, scene, has_sky));
     lines.extend(camera_lines(console));
     lines.extend(super::ray::line(console));
-    if explorer.has_stale_voxels() {
+    if explorer.renderer().is_some_and(Renderer::has_stale_voxels) {
         lines.push(
             "# in the picture, voxels have not followed the moved objects; in this script they will"
                 .to_owned(),
@@ -96,7 +97,9 @@ fn object_lines(console: &Console, scene: &Scene) -> Vec<String> {
 }
 
 fn material_lines(console: &Console, scene: &Scene) -> Vec<String> {
-    let Some(original) = console.explorer.original() else { return Vec::new() };
+    let Some(original) = console.explorer.opened().map(PreparedScene::original) else {
+        return Vec::new();
+    };
     let names = console.explorer.material_names();
     let changed = scene.materials.iter().zip(&original.materials).zip(names);
     changed
@@ -111,7 +114,9 @@ fn material_lines(console: &Console, scene: &Scene) -> Vec<String> {
 /// The commands for the surroundings of the scene; `true` if they add a sun.
 fn surroundings_lines(console: &Console, scene: &Scene) -> (Vec<String>, bool) {
     use crate::arguments::{commas, degrees};
-    let Some(original) = console.explorer.original() else { return (Vec::new(), false) };
+    let Some(original) = console.explorer.opened().map(PreparedScene::original) else {
+        return (Vec::new(), false);
+    };
     let (now, was) = (&scene.environment, &original.environment);
     let mut lines = Vec::new();
     let is_same_map = match (&now.map, &was.map) {
@@ -143,7 +148,9 @@ fn surroundings_lines(console: &Console, scene: &Scene) -> (Vec<String>, bool) {
 }
 
 fn light_lines(console: &Console, scene: &Scene, has_sky: bool) -> Vec<String> {
-    let Some(original) = console.explorer.original() else { return Vec::new() };
+    let Some(original) = console.explorer.opened().map(PreparedScene::original) else {
+        return Vec::new();
+    };
     if !has_sky && scene.lights == original.lights {
         return Vec::new();
     }
@@ -182,10 +189,11 @@ fn light_lines(console: &Console, scene: &Scene, has_sky: bool) -> Vec<String> {
 
 fn camera_lines(console: &Console) -> Vec<String> {
     let explorer = &console.explorer;
+    let Some(opened) = explorer.opened() else { return Vec::new() };
     let mut lines = Vec::new();
-    for number in [0, 1] {
+    for (number, original) in opened.positions().iter().enumerate() {
         let stored = explorer.position(number);
-        if stored != explorer.original_position(number).as_ref()
+        if stored != original.as_ref()
             && let Some(stored) = stored
         {
             lines.push(format!("camera_axes {}", camera::axes_words(stored)));
@@ -196,7 +204,7 @@ fn camera_lines(console: &Console) -> Vec<String> {
         lines.push(format!("camera_axes {}", camera::axes_words(stored)));
         lines.push(format!("store {}", quote(name)));
     }
-    let is_original = explorer.original_camera() == Some(explorer.camera()) && lines.is_empty();
+    let is_original = opened.camera() == explorer.camera() && lines.is_empty();
     if !is_original {
         lines.push(format!("camera_axes {}", camera::axes_words(explorer.camera())));
     }

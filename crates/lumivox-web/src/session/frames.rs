@@ -46,7 +46,10 @@ impl Session {
         }
         let stages = self.stages();
         let is_watched = self.console.explorer.settings().timing != Timing::Off;
-        let figures = if is_watched { self.console.explorer.trace_figures().await? } else { None };
+        let figures = match self.console.explorer.renderer_mut().filter(|_| is_watched) {
+            Some(renderer) => renderer.trace_figures().await?,
+            None => None,
+        };
         let pacing = self.console.explorer.pacing;
         let renderer = self.console.explorer.renderer();
         Ok(FrameReport {
@@ -110,7 +113,9 @@ impl Session {
             self.meter.follow(explorer).await?;
             self.meter.stops()
         };
-        explorer.draw(self.stops).await?;
+        if let Some(renderer) = explorer.renderer_mut() {
+            renderer.draw_screen(self.stops).await?;
+        }
         Ok(has_rendered)
     }
 
@@ -128,9 +133,9 @@ impl Session {
 
     /// Draws the pictures on the canvas.
     fn show(&self) -> Result<(), WebError> {
-        let Some(left) = self.console.explorer.screen_texture() else { return Ok(()) };
+        let Some(renderer) = self.console.explorer.renderer() else { return Ok(()) };
         let beside = self.beside.as_ref();
-        let left = beside.and_then(Beside::left).unwrap_or(left);
+        let left = beside.and_then(Beside::left).unwrap_or(renderer.screen_texture());
         let right = beside.and_then(|beside| Some((beside.texture()?, beside.at)));
         self.presenter.show(self.console.explorer.gpu(), left, right)
     }
@@ -140,7 +145,7 @@ impl Session {
     /// # Errors
     /// When there is no picture yet, or the device fails.
     pub async fn pixels(&mut self) -> Result<(UVec2, Vec<[u8; 4]>), WebError> {
-        let size = self.console.explorer.size();
+        let size = self.console.explorer.settings().size;
         let mut pixels = match self.beside.as_ref().and_then(Beside::left_pixels) {
             Some(pixels) => pixels.to_vec(),
             None => self.screen().await?,
@@ -157,6 +162,7 @@ impl Session {
 
     /// The picture of the explorer's view, read back.
     pub(crate) async fn screen(&mut self) -> Result<Vec<[u8; 4]>, WebError> {
-        self.console.explorer.screen(self.stops).await?.ok_or_else(no_scene)
+        let renderer = self.console.explorer.renderer_mut().ok_or_else(no_scene)?;
+        Ok(renderer.screen(self.stops).await?)
     }
 }

@@ -100,7 +100,7 @@ impl Session {
         let scene = self.console.explorer.scene()?;
         let objects = self.console.explorer.object_names();
         let voxels = self.console.explorer.renderer().map(|renderer| renderer.voxel_stats().voxels);
-        let camera = self.console.explorer.original_camera()?;
+        let camera = self.console.explorer.opened()?.camera();
         Some(SceneInfo::new(scene, camera, &objects, voxels, self.notes.clone()))
     }
 
@@ -193,7 +193,7 @@ impl Session {
     /// Sets canvas and picture to the size of the next frame, px.
     pub(crate) async fn fit(&mut self, size: UVec2, listener: &Listener) -> Result<(), WebError> {
         let explorer = &mut self.console.explorer;
-        if explorer.size() != size {
+        if explorer.settings().size != size {
             explorer.set_settings(RenderSettings { size, ..explorer.settings().clone() })?;
             explorer.update(&mut tell_of(listener)).await?;
             self.change();
@@ -206,7 +206,7 @@ impl Session {
 
     /// Adopts the picture's size if a command has changed it.
     pub(crate) fn follow_size(&mut self, before: UVec2) {
-        let size = self.console.explorer.size();
+        let size = self.console.explorer.settings().size;
         if size != before {
             self.full_size = size;
             self.presenter.resize(self.console.explorer.gpu(), size);

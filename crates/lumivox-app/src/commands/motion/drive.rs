@@ -150,8 +150,9 @@ impl Drive {
     /// # Errors
     /// When the device fails.
     pub fn shown(&mut self) -> anyhow::Result<Shown> {
-        let picture = pollster::block_on(self.explorer.finish())?;
-        let picture = picture.ok_or_else(|| Failure::input("the scene is empty"))?;
+        let renderer = self.explorer.renderer_mut();
+        let renderer = renderer.ok_or_else(|| Failure::input("the scene is empty"))?;
+        let picture = pollster::block_on(renderer.finish())?;
         let full = self.beside(View::Diffuse)?;
         // The view shows irradiance / pi.
         let rgb = full.iter().map(|&[r, g, b, _]| [r, g, b].map(|x| x * std::f32::consts::PI));

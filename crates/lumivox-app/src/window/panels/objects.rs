@@ -93,8 +93,7 @@ fn chosen(
             ui.selectable_value(mode, choice, name).on_hover_text(tip);
         }
     });
-    let key = format!("place {}", quoted(&object.name));
-    let placement = selection::placement(outbox, &key, &object.placement);
+    let placement = selection::placement(object, outbox);
     let mut next = placement;
     let axes = |what: &str| ["x", "y", "z"].map(|axis| format!("{what} {axis}"));
     for (what, unit, vector_of, speed, usual) in [

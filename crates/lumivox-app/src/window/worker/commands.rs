@@ -141,7 +141,7 @@ impl Worker {
         let explorer = &self.console.explorer;
         let Some(scene) = explorer.scene() else { return };
         let picker = self.session.view.picker(scene);
-        let size = explorer.size();
+        let size = explorer.settings().size;
         let (origin, direction) = explorer.camera().ray(at * size.as_vec2(), size);
         let pick = picker.pick(origin, direction);
         let names = explorer.object_names();

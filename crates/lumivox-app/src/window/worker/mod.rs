@@ -98,7 +98,7 @@ struct Worker {
 
 impl Worker {
     fn new(console: Console, options: GpuOptions, inbox: Inbox, publisher: Publisher) -> Self {
-        let full_size = console.explorer.size();
+        let full_size = console.explorer.settings().size;
         Self {
             console,
             options,

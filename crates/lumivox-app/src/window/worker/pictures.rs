@@ -124,7 +124,7 @@ impl Worker {
     /// Sets the size of the explorer's pictures, up to the device's limit.
     pub(super) fn set_size(&mut self, size: UVec2) {
         let explorer = &mut self.console.explorer;
-        if explorer.size() != size {
+        if explorer.settings().size != size {
             let most = explorer.gpu().device.limits().max_texture_dimension_2d;
             let settings = RenderSettings {
                 size: size.min(UVec2::splat(most)),
@@ -221,8 +221,10 @@ impl Worker {
             }
             self.pictures.times.add(elapsed, &explorer.take_stage_times(), is_first);
             let is_watched = explorer.settings().timing != Timing::Off;
-            self.pictures.figures =
-                if is_watched { pollster::block_on(explorer.trace_figures())? } else { None };
+            self.pictures.figures = match explorer.renderer_mut().filter(|_| is_watched) {
+                Some(renderer) => pollster::block_on(renderer.trace_figures())?,
+                None => None,
+            };
         } else {
             self.lines.frames_are_over();
         }
@@ -268,14 +270,13 @@ impl Worker {
     /// alternate with the picture's.
     pub(super) fn measure_light(&mut self) {
         let Some(at) = self.pictures.probe.take() else { return };
-        let explorer = &self.console.explorer;
-        let size = explorer.renderer().map(|renderer| renderer.settings().size);
-        let light = match (size, self.pictures.comparand) {
+        let light = match (self.console.explorer.renderer(), self.pictures.comparand) {
             (None, _) | (_, Comparand::View(_)) => None,
-            (Some(size), _) => {
+            (Some(renderer), _) => {
+                let size = renderer.settings().size;
                 let pixel = (at * size.as_vec2()).as_uvec2().min(size - UVec2::ONE);
                 // Ignore errors: the next frame notices a lost device.
-                pollster::block_on(explorer.probe(pixel)).ok().flatten()
+                pollster::block_on(renderer.photometry(pixel)).ok().flatten()
             }
         };
         self.publisher.publish(|published| published.light = Some(LightAt { at, light }));
@@ -283,7 +284,7 @@ impl Worker {
 
     fn shown(&mut self, stops: f32) -> anyhow::Result<Option<Arc<Shown>>> {
         let explorer = &mut self.console.explorer;
-        let (serial, size) = (self.pictures.next_serial(), explorer.size());
+        let (serial, size) = (self.pictures.next_serial(), explorer.settings().size);
         let frames = explorer.renderer().map_or(0, Renderer::frame_count);
         let pixels = pollster::block_on(self.pictures.screen.picture(explorer, stops))?;
         Ok(pixels.map(|pixels| Arc::new(Shown { serial, size, pixels, frames })))

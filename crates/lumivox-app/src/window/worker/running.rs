@@ -80,7 +80,7 @@ impl Worker {
                 }
             }
         }
-        self.pictures.set_full_size(self.console.explorer.size());
+        self.pictures.set_full_size(self.console.explorer.settings().size);
         self.note_edits(&line.text);
         self.start_again();
     }

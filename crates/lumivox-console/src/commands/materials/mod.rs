@@ -94,8 +94,8 @@ fn material(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> 
     }
     let mut changed =
         properties::set(PROPERTIES, &format!("the material \"{name}\""), material, words)?;
-    let original = console.explorer.original();
-    if let Some(original) = original.and_then(|original| original.materials.get(number)) {
+    let opened = console.explorer.opened();
+    if let Some(original) = opened.and_then(|opened| opened.original().materials.get(number)) {
         bring_textures_back(&mut changed, original);
     }
     // Strengths that no longer fit the surface would leave it unchanged in VXCT's look.
