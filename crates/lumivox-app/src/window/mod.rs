@@ -7,7 +7,7 @@
 //! has its own device, so that panels never wait for a frame.
 //!
 //! Every mouse action is a line, shown in the console: it can be read, repeated and put into a
-//! script. Only the camera in motion and the picture's size are sent directly.
+//! script. Only the camera and the picture's size are sent as values; the camera's line is logged.
 //!
 //! | file | is |
 //! | --- | --- |

@@ -219,8 +219,8 @@ impl Outbox {
     }
 
     /// Moves the camera interactively.
-    pub fn move_camera(&mut self, camera: Camera) {
-        let camera = Camera { name: "window".to_owned(), ..camera };
+    pub fn move_camera(&mut self, mut camera: Camera) {
+        "window".clone_into(&mut camera.name);
         self.cameras_sent += 1;
         let (scene, number) = (self.scene, self.cameras_sent);
         self.order(Order::Camera { camera: camera.clone(), scene, number });

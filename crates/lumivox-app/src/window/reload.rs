@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::sync::mpsc::{self, Receiver};
 use std::time::Duration;
 
 use lumivox_scene::may_name;
@@ -53,14 +53,8 @@ pub fn watch(
 /// Calls `changed` once for each burst of changes, until the watcher with the sender is dropped.
 fn forward(changes: &Receiver<()>, changed: &dyn Fn()) {
     while changes.recv().is_ok() {
-        loop {
-            match changes.recv_timeout(QUIET) {
-                Ok(()) => {}
-                Err(RecvTimeoutError::Timeout) => break,
-                // The last change of a watcher that is being replaced.
-                Err(RecvTimeoutError::Disconnected) => break,
-            }
-        }
+        // This ends with a pause, or with the last change of a watcher that is being replaced.
+        while changes.recv_timeout(QUIET).is_ok() {}
         changed();
     }
 }
