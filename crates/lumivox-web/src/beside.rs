@@ -197,7 +197,7 @@ impl Beside {
 
     /// Renders one frame of the right side; stores the left picture first.
     async fn render_right(&mut self, session: &mut Session, view: View) -> Result<bool, WebError> {
-        let size = session.explorer().settings().size;
+        let size = session.console.explorer.settings().size;
         if self.left_still.is_none() {
             let pixels = session.screen().await?;
             self.left_still = Some(Still::new(session.gpu(), size, pixels));
@@ -218,12 +218,12 @@ impl Beside {
         if session.render_view(session.view()).await? {
             return Ok(false);
         }
-        let (gpu, size) = (session.gpu().clone(), session.explorer().settings().size);
+        let (gpu, size) = (session.gpu().clone(), session.console.explorer.settings().size);
         let tracer = match &mut self.tracer {
             Some(tracer) => tracer,
             None => {
-                let scene = session.explorer().scene().ok_or_else(no_scene)?;
-                let camera = Some(session.explorer().camera());
+                let scene = session.console.explorer.scene().ok_or_else(no_scene)?;
+                let camera = Some(session.console.explorer.camera());
                 let settings = ReferenceSettings { size, samples, ..ReferenceSettings::default() };
                 let tracer = PathTracer::new(&gpu, scene, camera, settings).await?;
                 self.tracer.insert(Box::new(tracer))
@@ -240,7 +240,7 @@ impl Beside {
         }
         let is_over = tracer.samples() >= samples;
         if tracer.samples() > before || self.right_still.is_none() {
-            let settings = session.explorer().settings();
+            let settings = session.console.explorer.settings();
             let exposure = match session.view().is_light() {
                 true => Exposure::Stops(session.stops()),
                 false => settings.exposure,

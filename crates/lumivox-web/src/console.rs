@@ -34,7 +34,7 @@ impl Session {
         self.console.on_progress(listener_of(listener));
         let reply = self.console.run(line).await;
         self.console.on_progress(Box::new(|_| ControlFlow::Continue(())));
-        self.view = self.explorer().settings().view;
+        self.view = self.console.explorer.settings().view;
         self.follow_size(size);
         self.picker = None;
         self.follow_light();

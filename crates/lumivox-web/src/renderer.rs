@@ -268,7 +268,7 @@ impl Renderer {
 
     /// The preset that the settings started from.
     pub async fn preset(&self) -> String {
-        self.session().await.preset().name().to_owned()
+        self.session().await.console.explorer.preset().name().to_owned()
     }
 
     /// Applies the settings of a preset (`presets()` lists them); picture, view and resolution
@@ -415,7 +415,7 @@ impl Renderer {
     /// itself. Default: no.
     #[wasm_bindgen(js_name = setTimed)]
     pub async fn set_timed(&self, timed: bool) {
-        self.session().await.set_timed(timed);
+        self.session().await.console.explorer.set_timed(timed);
     }
 
     /// Sets the size of canvas and picture, in device pixels.

@@ -3,7 +3,7 @@
 use lumivox_explorer::parameters::{Parameter, find_parameter};
 use lumivox_explorer::{FRAME_BUDGET_MS, PreparedScene, Revoxelize};
 use lumivox_render::Renderer;
-use lumivox_scene::{Light, Scene};
+use lumivox_scene::Light;
 
 use super::{animation, camera, files, lights, materials, objects, parameters, voxels};
 use crate::line::quote;
@@ -46,7 +46,7 @@ fn lines(console: &Console) -> Vec<String> {
     if budget_ms.to_bits() != FRAME_BUDGET_MS.to_bits() {
         lines.push(format!("frame_budget {budget_ms}"));
     }
-    let (Some(scene), Some(opening)) = (explorer.scene(), console.scene_request()) else {
+    let (Some(opened), Some(opening)) = (explorer.opened(), console.scene_request()) else {
         return lines;
     };
     let aspect = settings.size.x as f32 / settings.size.y as f32;
@@ -56,16 +56,17 @@ fn lines(console: &Console) -> Vec<String> {
         let shown = ["exposure", "tone_map"].into_iter().filter_map(find_parameter);
         lines.extend(shown.map(line));
     }
-    if let Some(bounds) = settings.grid_bounds.filter(|box_| scene.grid_bounds != Some(*box_)) {
+    let own_bounds = opened.scene().grid_bounds;
+    if let Some(bounds) = settings.grid_bounds.filter(|box_| own_bounds != Some(*box_)) {
         lines.push(voxels::bounds_line(bounds, explorer.has_fitted_grid()));
     }
     lines.extend(animation::lines(console));
-    lines.extend(object_lines(console, scene));
-    lines.extend(material_lines(console, scene));
-    let (surroundings, has_sky) = surroundings_lines(console, scene);
+    lines.extend(object_lines(console, opened));
+    lines.extend(material_lines(console, opened));
+    let (surroundings, has_sky) = surroundings_lines(console, opened);
     lines.extend(surroundings);
-    lines.extend(light_lines(console, scene, has_sky));
-    lines.extend(camera_lines(console));
+    lines.extend(light_lines(console, opened, has_sky));
+    lines.extend(camera_lines(console, opened));
     lines.extend(super::ray::line(console));
     if explorer.renderer().is_some_and(Renderer::has_stale_voxels) {
         lines.push(
@@ -76,10 +77,12 @@ fn lines(console: &Console) -> Vec<String> {
     lines
 }
 
-fn object_lines(console: &Console, scene: &Scene) -> Vec<String> {
+fn object_lines(console: &Console, opened: &PreparedScene) -> Vec<String> {
     let explorer = &console.explorer;
     let mut lines = Vec::new();
-    for (object, name) in explorer.object_names().iter().enumerate().take(scene.instances.len()) {
+    for (object, name) in
+        explorer.object_names().iter().enumerate().take(opened.scene().instances.len())
+    {
         let name = quote(name);
         let (is_hidden, is_static) = explorer.marks(object);
         if let Some(is_hidden) = is_hidden {
@@ -96,10 +99,8 @@ fn object_lines(console: &Console, scene: &Scene) -> Vec<String> {
     lines
 }
 
-fn material_lines(console: &Console, scene: &Scene) -> Vec<String> {
-    let Some(original) = console.explorer.opened().map(PreparedScene::original) else {
-        return Vec::new();
-    };
+fn material_lines(console: &Console, opened: &PreparedScene) -> Vec<String> {
+    let (scene, original) = (opened.scene(), opened.original());
     let names = console.explorer.material_names();
     let changed = scene.materials.iter().zip(&original.materials).zip(names);
     changed
@@ -112,11 +113,9 @@ fn material_lines(console: &Console, scene: &Scene) -> Vec<String> {
 }
 
 /// The commands for the surroundings of the scene; `true` if they add a sun.
-fn surroundings_lines(console: &Console, scene: &Scene) -> (Vec<String>, bool) {
+fn surroundings_lines(console: &Console, opened: &PreparedScene) -> (Vec<String>, bool) {
     use crate::arguments::{commas, degrees};
-    let Some(original) = console.explorer.opened().map(PreparedScene::original) else {
-        return (Vec::new(), false);
-    };
+    let (scene, original) = (opened.scene(), opened.original());
     let (now, was) = (&scene.environment, &original.environment);
     let mut lines = Vec::new();
     let is_same_map = match (&now.map, &was.map) {
@@ -147,10 +146,8 @@ fn surroundings_lines(console: &Console, scene: &Scene) -> (Vec<String>, bool) {
     (lines, has_sky)
 }
 
-fn light_lines(console: &Console, scene: &Scene, has_sky: bool) -> Vec<String> {
-    let Some(original) = console.explorer.opened().map(PreparedScene::original) else {
-        return Vec::new();
-    };
+fn light_lines(console: &Console, opened: &PreparedScene, has_sky: bool) -> Vec<String> {
+    let (scene, original) = (opened.scene(), opened.original());
     if !has_sky && scene.lights == original.lights {
         return Vec::new();
     }
@@ -187,9 +184,8 @@ fn light_lines(console: &Console, scene: &Scene, has_sky: bool) -> Vec<String> {
     lines
 }
 
-fn camera_lines(console: &Console) -> Vec<String> {
+fn camera_lines(console: &Console, opened: &PreparedScene) -> Vec<String> {
     let explorer = &console.explorer;
-    let Some(opened) = explorer.opened() else { return Vec::new() };
     let mut lines = Vec::new();
     for (number, original) in opened.positions().iter().enumerate() {
         let stored = explorer.position(number);

@@ -112,11 +112,6 @@ impl Session {
         })
     }
 
-    /// The preset that the settings started from.
-    pub fn preset(&self) -> PresetChoice {
-        self.console.explorer.preset()
-    }
-
     /// Changes settings; those that are not named stay.
     ///
     /// # Errors
@@ -315,11 +310,6 @@ impl Session {
         Ok(())
     }
 
-    /// Sets whether stages are timed, which takes some time itself.
-    pub fn set_timed(&mut self, is_timed: bool) {
-        self.console.explorer.set_timed(is_timed);
-    }
-
     /// Resets metering, the right side and the reference.
     pub(crate) fn change(&mut self) {
         self.start_again();
@@ -350,11 +340,6 @@ impl Session {
     pub fn memory(&self) -> Vec<MemoryInfo> {
         let memory = self.console.explorer.renderer().map(lumivox_render::Renderer::memory);
         memory.iter().flatten().map(MemoryInfo::from).collect()
-    }
-
-    /// The explorer, for the right side of a split.
-    pub(crate) fn explorer(&self) -> &Explorer {
-        &self.console.explorer
     }
 
     /// The view on the left.
