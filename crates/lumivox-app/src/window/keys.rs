@@ -1,10 +1,10 @@
 //! Keyboard shortcuts.
 
 use egui::{Key, Modifiers, Ui};
+use lumivox_console::quote;
 
 use super::config::Config;
 use super::gizmo::Mode;
-use super::lines::quoted;
 use super::model::{Model, Selected};
 use super::orders::Order;
 use super::outbox::Outbox;
@@ -91,12 +91,12 @@ pub fn handle(
                 let object = model.scene.iter().flat_map(|s| &s.objects).find(|o| o.name == *name);
                 let is_hidden = object.is_some_and(|object| object.is_hidden);
                 let verb = if is_hidden { "show" } else { "hide" };
-                outbox.line(format!("{verb} {}", quoted(name)));
+                outbox.line(format!("{verb} {}", quote(name)));
             }
         }
         Selected::Light(name) => {
             if pressed(Modifiers::NONE, Key::Delete) {
-                outbox.line(format!("remove_light {}", quoted(name)));
+                outbox.line(format!("remove_light {}", quote(name)));
             }
         }
     }

@@ -1,8 +1,6 @@
 //! Lines to be run by the console.
 
-use lumivox_console::{LineInfo, quote};
-
-pub use lumivox_console::words;
+use lumivox_console::LineInfo;
 
 /// The origin of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,11 +46,6 @@ pub fn shell_quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', "'\\''"))
 }
 
-/// A word, quoted for a line of the console.
-pub fn quoted(word: &str) -> String {
-    quote(word)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -73,13 +66,6 @@ mod tests {
             let command = format!("printf %s {}", shell_quoted(word));
             let output = std::process::Command::new("sh").args(["-c", &command]).output().unwrap();
             assert_eq!(String::from_utf8(output.stdout).unwrap(), word);
-        }
-    }
-
-    #[test]
-    fn quoted_names_come_back() {
-        for name in ["plain", "with space", "a \"quoted\" one", "it's", "#5", "back\\slash", ""] {
-            assert_eq!(words(&quoted(name)).unwrap(), [name]);
         }
     }
 }

@@ -5,12 +5,12 @@ use std::sync::mpsc::Sender;
 use std::time::Instant;
 
 use glam::UVec2;
-use lumivox_console::LineInfo;
+use lumivox_console::{LineInfo, quote};
 use lumivox_explorer::parameters::{Parameter, Value};
 use lumivox_render::GpuId;
 use lumivox_scene::Camera;
 
-use super::lines::{Line, Origin, quoted};
+use super::lines::{Line, Origin};
 use super::model::{Model, Selected};
 use super::orders::{Order, Published, Shared};
 
@@ -110,7 +110,7 @@ impl Outbox {
 
     /// Opens a scene, named as on the command line.
     pub fn open(&mut self, source: &str) {
-        self.typed_line(format!("load {}", quoted(source)));
+        self.typed_line(format!("load {}", quote(source)));
     }
 
     /// Sends a line, and returns its number.
@@ -205,8 +205,8 @@ impl Outbox {
     pub fn select(&mut self, selected: Option<Selected>) {
         if selected != self.selected {
             self.line(match &selected {
-                Some(Selected::Object(name)) => format!("select {}", quoted(name)),
-                Some(Selected::Light(name)) => format!("select light {}", quoted(name)),
+                Some(Selected::Object(name)) => format!("select {}", quote(name)),
+                Some(Selected::Light(name)) => format!("select light {}", quote(name)),
                 None => "select".to_owned(),
             });
             self.selected = selected;

@@ -1,12 +1,12 @@
 //! The selected object or light: its placement, and the camera around it.
 
 use glam::Vec3;
+use lumivox_console::quote;
 use lumivox_explorer::Placement;
 use lumivox_scene::{Bounds, Light, LightKind};
 
 use super::camera;
 use super::gizmo::Mode;
-use super::lines::quoted;
 use super::model::{Model, ObjectModel, SceneModel, Selected};
 use super::outbox::Outbox;
 
@@ -26,7 +26,7 @@ pub fn placement(object: &ObjectModel, outbox: &Outbox) -> Placement {
     let Placement { position, rotation_deg, scale } = object.placement;
     // Matrices yield -0.0, which adding zero turns into 0.0.
     let [p, r, s] = [position, rotation_deg, scale].map(|v| v + Vec3::ZERO);
-    let key = format!("place {}", quoted(&object.name));
+    let key = format!("place {}", quote(&object.name));
     let n = outbox.numbers(&key, [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z]);
     Placement {
         position: Vec3::new(n[0], n[1], n[2]),
@@ -38,7 +38,7 @@ pub fn placement(object: &ObjectModel, outbox: &Outbox) -> Placement {
 /// Sends an object's new placement.
 pub fn place(outbox: &mut Outbox, name: &str, placement: &Placement) {
     let Placement { position: p, rotation_deg: r, scale: s } = *placement;
-    let key = format!("place {}", quoted(name));
+    let key = format!("place {}", quote(name));
     let command =
         format!("{key} {} {} {} {} {} {} {} {} {}", p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z);
     outbox.set_numbers(&key, [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z], command);
@@ -51,7 +51,7 @@ pub fn handles(scene: &SceneModel, mode: Mode, outbox: &Outbox) -> Option<(Place
         Selected::Light(name) => {
             let (_, light) =
                 scene.lights.iter().find(|(other, light)| other == name && is_lamp(light))?;
-            let key = format!("light {} position", quoted(name));
+            let key = format!("light {} position", quote(name));
             let position = Vec3::from(outbox.numbers(&key, light.position.to_array()));
             Some((Placement { position, rotation_deg: Vec3::ZERO, scale: Vec3::ONE }, Mode::Move))
         }
@@ -63,7 +63,7 @@ pub fn put(outbox: &mut Outbox, placement: &Placement) {
     match outbox.selected().cloned() {
         Some(Selected::Object(name)) => place(outbox, &name, placement),
         Some(Selected::Light(name)) => {
-            let key = format!("light {} position", quoted(&name));
+            let key = format!("light {} position", quote(&name));
             let [x, y, z] = placement.position.to_array();
             outbox.set_numbers(&key, [x, y, z], format!("{key} {x} {y} {z}"));
         }

@@ -1,10 +1,10 @@
 //! The animation bar below the picture.
 
 use egui::{ComboBox, Slider, Ui};
+use lumivox_console::quote;
 use lumivox_scene::AnimationChoice;
 
 use super::icons::{self, Icon};
-use crate::window::lines::quoted;
 use crate::window::model::Model;
 use crate::window::outbox::Outbox;
 use crate::window::theme;
@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
                 |ui| {
                     for (choice, _) in &scene.animations {
                         if ui.selectable_label(choice == name, choice).clicked() {
-                            outbox.line(format!("animation {}", quoted(choice)));
+                            outbox.line(format!("animation {}", quote(choice)));
                         }
                     }
                     if ui.selectable_label(name == "all", "all at once").clicked() {

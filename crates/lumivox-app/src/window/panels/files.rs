@@ -1,9 +1,8 @@
 //! The system's file dialogs, each on its own thread.
 
+use lumivox_console::quote;
 use std::path::PathBuf;
 use std::sync::mpsc::{self, Receiver, TryRecvError};
-
-use crate::window::lines::quoted;
 
 /// The open dialog, if any.
 #[derive(Debug, Default)]
@@ -63,7 +62,7 @@ impl Dialogs {
         let (command, receiver) = self.waiting.as_ref()?;
         let answer = match receiver.try_recv() {
             Ok(file) => {
-                file.map(|file| format!("{command} {}", quoted(&file.display().to_string())))
+                file.map(|file| format!("{command} {}", quote(&file.display().to_string())))
             }
             Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => None,

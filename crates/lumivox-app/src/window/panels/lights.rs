@@ -2,11 +2,11 @@
 
 use egui::{DragValue, RichText, Ui, vec2};
 use glam::Vec3;
+use lumivox_console::quote;
 use lumivox_scene::{Light, LightKind};
 
 use super::icons::{self, Icon};
 use super::widgets::{item, row, vector, weak};
-use crate::window::lines::quoted;
 use crate::window::model::{SceneModel, Selected};
 use crate::window::outbox::Outbox;
 use crate::window::theme;
@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, scene: &SceneModel, outbox: &mut Outbox) {
                 outbox.select((!is_chosen).then(|| Selected::Light(name.clone())));
             }
             if icons::button(ui, Icon::Cross, theme::WEAK, &format!("Remove {name}")).clicked() {
-                outbox.line(format!("remove_light {}", quoted(name)));
+                outbox.line(format!("remove_light {}", quote(name)));
             }
         });
         if is_chosen {
@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, scene: &SceneModel, outbox: &mut Outbox) {
 }
 
 fn chosen(ui: &mut Ui, name: &str, light: &Light, outbox: &mut Outbox) {
-    let quoted_name = quoted(name);
+    let quoted_name = quote(name);
     let set = |property: &str| format!("light {quoted_name} {property}");
     row(ui, "Colour", "Linear red, green and blue; the strength is apart", |ui| {
         let key = set("color");

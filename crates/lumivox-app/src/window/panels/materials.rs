@@ -1,10 +1,10 @@
 //! The scene's materials.
 
 use egui::{CollapsingHeader, Slider, Ui};
+use lumivox_console::quote;
 use lumivox_scene::{Material, Shading};
 
 use super::widgets::{is_rounded, row, weak};
-use crate::window::lines::quoted;
 use crate::window::model::SceneModel;
 use crate::window::outbox::Outbox;
 use crate::window::selection;
@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, scene: &SceneModel, outbox: &mut Outbox) {
 }
 
 fn one(ui: &mut Ui, name: &str, material: &Material, outbox: &mut Outbox) {
-    let quoted_name = quoted(name);
+    let quoted_name = quote(name);
     let key = |property: &str| format!("material {quoted_name} {property}");
     match &material.shading {
         Shading::MetallicRoughness(m) => {

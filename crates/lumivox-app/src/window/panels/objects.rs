@@ -2,12 +2,12 @@
 
 use egui::{RichText, ScrollArea, Ui};
 use glam::Vec3;
+use lumivox_console::quote;
 use lumivox_explorer::Placement;
 
 use super::icons::{self, Icon};
 use super::widgets::{count, item, reset, row, vector, weak};
 use crate::window::gizmo::Mode;
-use crate::window::lines::quoted;
 use crate::window::model::{ObjectModel, SceneModel, Selected};
 use crate::window::outbox::Outbox;
 use crate::window::{selection, theme};
@@ -55,7 +55,7 @@ pub fn show(
 
 fn listed(ui: &mut Ui, object: &ObjectModel, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
-        let name = quoted(&object.name);
+        let name = quote(&object.name);
         let (icon, verb, color) = if object.is_hidden {
             (Icon::Hidden, "show", theme::WEAK)
         } else {
@@ -128,7 +128,7 @@ fn chosen(
         let mut is_static = object.is_static;
         if ui.checkbox(&mut is_static, "").accessible_name("Static").changed() {
             let on = if is_static { "on" } else { "off" };
-            outbox.line(format!("static {} {on}", quoted(&object.name)));
+            outbox.line(format!("static {} {on}", quote(&object.name)));
         }
     });
 }

@@ -1,13 +1,13 @@
 //! Settings of the view: level, comparison, cameras; presets, cones, and the picture.
 
 use egui::{ComboBox, Ui};
+use lumivox_console::quote;
 use lumivox_explorer::FRAME_BUDGET_MS;
 use lumivox_explorer::parameters::{Group, PRESETS};
 use lumivox_render::View;
 
 use super::widgets::{rest_width, row, weak};
 use super::{histogram, parameters};
-use crate::window::lines::quoted;
 use crate::window::model::{Comparand, Model};
 use crate::window::outbox::Outbox;
 
@@ -34,7 +34,7 @@ pub fn show(
                     scene.cameras.iter().chain(stored).map(String::as_str).chain(["framing"])
                 {
                     if ui.selectable_label(false, name).clicked() {
-                        outbox.line(format!("camera {}", quoted(name)));
+                        outbox.line(format!("camera {}", quote(name)));
                     }
                 }
             })
@@ -61,7 +61,7 @@ pub fn show(
         let is_stored = ui.add_enabled(has_name, egui::Button::new("Store")).clicked();
         if has_name && (is_typed || is_stored) {
             let name = std::mem::take(camera_name);
-            outbox.line(format!("store {}", quoted(name.trim())));
+            outbox.line(format!("store {}", quote(name.trim())));
         }
     });
     row(ui, "Speed", "How fast W, A, S, D fly; the wheel changes it in flight", |ui| {

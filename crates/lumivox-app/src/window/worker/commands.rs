@@ -2,11 +2,11 @@
 
 use anyhow::bail;
 use glam::Vec2;
-use lumivox_console::{Edits, Failure, LineInfo, suggest};
+use lumivox_console::{Edits, Failure, LineInfo, quote, suggest, words};
 use lumivox_render::{RenderSettings, View};
 
 use super::Worker;
-use crate::window::lines::{self, quoted};
+use crate::window::lines;
 use crate::window::model::{Comparand, LogKind, Selected};
 use crate::window::orders::WindowRequest;
 
@@ -16,7 +16,7 @@ const SAMPLES: u32 = 256;
 impl Worker {
     /// Runs a command of the window; `None` if the line is not one.
     pub(super) fn run_own(&mut self, line: &str) -> Option<anyhow::Result<String>> {
-        let words = lines::words(line)?;
+        let words = words(line)?;
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         let (name, arguments) = words.split_first()?;
         let done = match *name {
@@ -148,7 +148,7 @@ impl Worker {
         let selected =
             pick.and_then(|pick| names.into_iter().nth(pick.instance)).map(Selected::Object);
         let line = match &selected {
-            Some(selected) => format!("select {}", quoted(selected.name())),
+            Some(selected) => format!("select {}", quote(selected.name())),
             None => "select".to_owned(),
         };
         self.messages.log.add(LogKind::Command, &line);
