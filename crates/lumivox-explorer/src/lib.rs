@@ -236,7 +236,7 @@ impl Explorer {
         self.opened.as_ref().map(|opened| &opened.scene)
     }
 
-    /// The scene with its edits, and as it was before them.
+    /// The open scene, with its edits and without them.
     pub fn opened(&self) -> Option<&PreparedScene> {
         self.opened.as_ref()
     }
