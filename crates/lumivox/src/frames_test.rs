@@ -9,7 +9,7 @@ use glam::{Mat4, Vec3};
 use crate::gpu::{Pipelines, Recorder, Timing};
 use crate::light::Budget;
 use crate::testing::{
-    SceneBuilder, busy_room, device, lambert, moved, read, room_with_a_box, wait_told,
+    SceneBuilder, busy_room, device, lambert, moved, read, room_with_a_box, wait_until_read,
 };
 use crate::volume::{CellVolume, read_levels, read_nodes};
 use crate::voxelize::FrameVoxels;
@@ -54,10 +54,10 @@ impl Stage {
     }
 
     /// Whether the octree had no room for the last list.
-    fn lacks_room(&self) -> bool {
+    fn overflows(&self) -> bool {
         match self.gi.cells() {
             None | Some(CellVolume::Dense(_)) => false,
-            Some(CellVolume::Octree(octree)) => octree.lacks_room_now(&self.device, &self.queue),
+            Some(CellVolume::Octree(octree)) => octree.overflows_now(&self.device, &self.queue),
         }
     }
 
@@ -71,7 +71,7 @@ impl Stage {
         self.gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
         let status = self.gi.voxel_status();
         self.submit(recorder);
-        wait_told(&self.device, &self.gi);
+        wait_until_read(&self.device, &self.gi);
         status
     }
 
@@ -269,7 +269,7 @@ fn check_late(volume: VolumeKind) {
     stage.voxelize(&grown);
     stage.light(&lights, 1);
     assert!(stage.lit() == before, "what has no room changes nothing");
-    assert!(stage.voxelize(&grown).is_late, "it is told");
+    assert!(stage.voxelize(&grown).is_late, "it is reported");
     let frames = stage.catch_up(&grown);
     // The octree reports its own needs only once the buffers of the voxels are large enough.
     assert!(frames <= if stage.is_octree() { 6 } else { 4 }, "it took {frames} frames");
@@ -282,20 +282,20 @@ fn check_late(volume: VolumeKind) {
 /// recorded, and a frame whose result is not known yet is reported as pending.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_frame_without_room_is_told_though_nothing_is_recorded_any_more() {
+fn a_late_frame_is_reported_though_nothing_more_is_recorded() {
     for volume in volumes() {
-        check_told(volume);
+        check_status(volume);
     }
 }
 
-fn check_told(volume: VolumeKind) {
+fn check_status(volume: VolumeKind) {
     let (mut stage, sized) = growing(volume);
     stage.catch_up(&sized(0.05));
-    let told = |stage: &Stage| {
-        let told = stage.gi.voxel_status();
-        (told.is_late, told.is_pending)
+    let status = |stage: &Stage| {
+        let status = stage.gi.voxel_status();
+        (status.is_late, status.is_pending)
     };
-    assert_eq!(told(&stage), (false, false));
+    assert_eq!(status(&stage), (false, false));
     // The second frame is recorded before the first has run, as if the first one's read came late.
     let grown = sized(0.95);
     let encoders = [0, 1].map(|_| {
@@ -304,22 +304,22 @@ fn check_told(volume: VolumeKind) {
         encoder
     });
     stage.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
-    assert_eq!(told(&stage), (false, true), "nothing has run");
+    assert_eq!(status(&stage), (false, true), "nothing has run");
     stage.queue.submit(encoders.map(wgpu::CommandEncoder::finish));
-    wait_told(&stage.device, &stage.gi);
-    assert_eq!(told(&stage), (true, false), "there was no room");
+    wait_until_read(&stage.device, &stage.gi);
+    assert_eq!(status(&stage), (true, false), "there was no room");
     let mut frames = 0;
-    while told(&stage).0 {
+    while status(&stage).0 {
         stage.voxelize(&grown);
         frames += 1;
         assert!(frames <= 6, "it never has room");
     }
     let voxels = stage.gi.voxel_status().voxels;
-    assert!(!stage.voxelize(&grown).is_late, "what was told is so");
+    assert!(!stage.voxelize(&grown).is_late, "what was reported holds");
     assert_eq!(stage.gi.voxels().expect("a list").voxel_count(), voxels);
     // A recording that is not submitted is not shown.
     drop(stage.record(&sized(0.05)));
-    assert_eq!(told(&stage), (true, false), "the encoder was dropped");
+    assert_eq!(status(&stage), (true, false), "the encoder was dropped");
 }
 
 /// A moving object enters a scene of which nothing was kept, since all of it was static: until

@@ -11,7 +11,7 @@ use crate::light::{BounceSettings, LightGlobals, LightRecord, ShadowLayerRecord}
 use crate::points::{GatheredPoint, PointSettings};
 use crate::trace::{CameraViewUniform, ScreenSettings};
 use crate::volume::changes::{LevelWords, ListParams};
-use crate::volume::{MaskLevels, OldAtlas, TreeUniform, TreeVerdict};
+use crate::volume::{MaskLevels, OldAtlas, TreeNeeds, TreeUniform};
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{Directionality, OctreeOptions, VolumeKind, shaders};
 
@@ -29,7 +29,7 @@ fn structs_lie_in_memory_alike() {
     check_struct::<NodeRecord>(library, "voxels::list", "Node");
     check_struct::<FaceRecord>(library, "voxels::list", "Face");
     check_struct::<TreeUniform>(library, "volume::octree::tree", "Tree");
-    check_struct::<TreeVerdict>(library, "volume::octree::verdict", "Verdict");
+    check_struct::<TreeNeeds>(library, "volume::octree::needs", "Needs");
     check_struct::<OldAtlas>(library, "volume::octree::resettle", "OldAtlas");
     check_struct::<crate::grid::GridUniform>(library, "grid", "Grid");
     check_struct::<LightRecord>(library, "light::lights", "Light");

@@ -155,7 +155,7 @@ pub(crate) fn moved(geometry: &Geometry, place: Mat4) -> Geometry {
 ///
 /// It is not enough to poll the device until its work is done: all tests share the device, and
 /// another test's thread may have polled it first, and may still be about to call the callback.
-pub(crate) fn wait_told(device: &wgpu::Device, gi: &Gi) {
+pub(crate) fn wait_until_read(device: &wgpu::Device, gi: &Gi) {
     loop {
         device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
         if !gi.status().is_pending {

@@ -5,9 +5,9 @@ import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::volume::octree::sites::Site;
 import package::volume::octree::tree::{node_word, tree, NODE_CHILDREN, NONE};
-import package::volume::octree::verdict::Verdict;
+import package::volume::octree::needs::Needs;
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> children: array<u32>;
 @group(1) @binding(2) var<storage, read> locks: array<u32>;
 @group(1) @binding(3) var<storage, read> locked_sites: array<Site>;
@@ -20,7 +20,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let slot = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u || slot >= 8u * verdict.groups {
+    if needs.overflow != 0u || slot >= 8u * needs.groups {
         return;
     }
     var site = locked_sites[slot];

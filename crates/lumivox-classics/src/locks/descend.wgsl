@@ -66,7 +66,7 @@ fn target_of(item: u32) -> Target {
 // The children of a node that had none. Only one thread gets here for a node.
 fn split(node: u32, node_cell: vec3u, level: u32) -> u32 {
     let group = 1u + atomicAdd(&counters[GROUPS], 1u);
-    // A tree that does not fit is not adopted (verdict.wgsl).
+    // A tree that does not fit is not adopted (needs.wgsl).
     if 8u * group >= tree.slots {
         return NONE;
     }

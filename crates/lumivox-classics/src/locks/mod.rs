@@ -148,7 +148,7 @@ impl LockBuilder {
 
 impl OctreeBuilder for LockBuilder {
     fn bind(&mut self, device: &wgpu::Device, tree: &TreeToBuild<'_>) -> Result<(), GiError> {
-        let TreeToBuild { voxels, places, verdict, octree, sites: sites_out } = *tree;
+        let TreeToBuild { voxels, places, needs, octree, sites: sites_out } = *tree;
         let remedy = Remedy::Surface(self.grid.dimensions.max_element());
         let memory = Memory::new(device);
         let items = voxels.node_capacity() * 8;
@@ -184,7 +184,7 @@ impl OctreeBuilder for LockBuilder {
             })
             .collect();
         let adopt = BindGroupBuilder::new(&self.adopt_layout)
-            .buffer(verdict)
+            .buffer(needs)
             .buffer(&children)
             .buffer(&locks)
             .buffer(&sites)

@@ -10,7 +10,9 @@ use glam::{IVec3, Mat4, UVec3, Vec3};
 use super::{CascadeOptions, STRIDE};
 use crate::gpu::{Recorder, Timing};
 use crate::light::Budget;
-use crate::testing::{SceneBuilder, busy_room, device, lambert, morton_decode, read, wait_told};
+use crate::testing::{
+    SceneBuilder, busy_room, device, lambert, morton_decode, read, wait_until_read,
+};
 use crate::voxelize::FrameVoxels;
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{
@@ -62,7 +64,7 @@ impl Lit {
         let settings = TraceSettings::default();
         self.gi.light_step(&mut recorder, &self.lights, Budget::Faces(None), &settings);
         recorder.submit();
-        wait_told(&device, &self.gi);
+        wait_until_read(&device, &self.gi);
         status
     }
 

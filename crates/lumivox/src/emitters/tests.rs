@@ -7,7 +7,7 @@ use glam::{Mat4, Vec2, Vec3};
 use super::EmitterRecord;
 use crate::gpu::{Buffer, Pipelines, Recorder, Timing};
 use crate::light::Budget;
-use crate::testing::{SceneBuilder, device, lambert, read, wait_told};
+use crate::testing::{SceneBuilder, device, lambert, read, wait_until_read};
 use crate::{
     Draw, GatherSettings, Geometry, GeometryBatch, Gi, GiConfig, Grid, Lights, OctreeOptions,
     SurfaceMaterial, SurfaceTexture, TraceSettings, VertexAttributes, VolumeKind,
@@ -468,7 +468,7 @@ fn lamps_have_the_same_bits_wherever_they_come_from() {
             let settings = TraceSettings::default();
             lab.gi.light_step(&mut recorder, &lab.lights, Budget::Faces(None), &settings);
             recorder.submit();
-            wait_told(&lab.device, &lab.gi);
+            wait_until_read(&lab.device, &lab.gi);
         }
         lab.light(3);
         let moved = lab.gather(&receivers(), 4);

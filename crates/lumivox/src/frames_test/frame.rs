@@ -8,7 +8,7 @@ fn passes(stage: &mut Stage, frame: Frame<'_>) -> (usize, FrameStatus) {
     let mut recorder = Recorder::with_timing(&stage.device, &stage.queue, Timing::SubmitAndWait);
     stage.gi.frame(&mut recorder, frame).expect("it fits");
     let passes = pollster::block_on(recorder.finish()).expect("the device works").len();
-    wait_told(&stage.device, &stage.gi);
+    wait_until_read(&stage.device, &stage.gi);
     (passes, stage.gi.status())
 }
 

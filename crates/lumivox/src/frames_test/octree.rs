@@ -28,7 +28,7 @@ fn an_octree_without_room_shows_what_it_showed() {
         let voxels = stage.gi.voxels().expect("a list").voxel_count();
         let lights = lamp(&stage, 0.2 + 0.02 * step as f32);
         stage.light(&lights, 2);
-        if stage.lacks_room() {
+        if stage.overflows() {
             late += 1;
             assert!(nodes(&stage) == before, "step {step} ({voxels} voxels) has changed something");
         }

@@ -259,7 +259,7 @@ mod tests {
         word.submit(20, second, 2);
         assert_eq!(word.latest(), Some(vec![20]));
         word.submit(10, first, 1);
-        assert_eq!(word.latest(), None, "what was told last is newer");
+        assert_eq!(word.latest(), None, "the last result is newer");
         let third = word.record();
         word.submit(30, third, 3);
         assert_eq!(word.latest(), Some(vec![30]), "and so is the next one");

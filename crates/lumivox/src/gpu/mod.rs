@@ -39,7 +39,8 @@ pub use resources::{
 pub use scan::{BoundScan, Scan};
 pub(crate) use slots::{Slot, Slots};
 
-/// Defines the constants that Rust and the shaders of this folder share, and those of number formats.
+/// Defines the constants that Rust and the shaders of this folder share, and those of number
+/// formats.
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library
         .constant_f32("PI", std::f32::consts::PI)

@@ -419,7 +419,7 @@ impl Faces {
             .buffer(&shown)
             .build(device, "show");
         let move_light = BindGroupBuilder::new(&kernels.move_light_layout)
-            .buffer(moving.verdict)
+            .buffer(moving.needs)
             .buffer(moving.united_faces)
             .buffer(moving.faces)
             .buffer(moving.former)
@@ -430,7 +430,7 @@ impl Faces {
             .buffer(&moving_held)
             .build(device, "move light");
         let settle = BindGroupBuilder::new(&kernels.settle_layout)
-            .buffer(moving.verdict)
+            .buffer(moving.needs)
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
             .buffer(&moving_irradiance)
             .buffer(&moving_held)

@@ -2,10 +2,10 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::voxelize::verdict::Verdict;
+import package::voxelize::needs::Needs;
 import package::voxels::counts::ListCounts;
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<uniform> counts: ListCounts;
 @group(1) @binding(2) var<storage, read> moving_irradiance: array<vec4f>;
 @group(1) @binding(3) var<storage, read> moving_held: array<vec4f>;
@@ -18,7 +18,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let face = linear_index(invocation, workgroups);
-    if verdict.no_room == 0u && face < verdict.moving_faces {
+    if needs.overflow == 0u && face < needs.moving_faces {
         irradiance[counts.fixed_faces + face] = moving_irradiance[face];
         held[counts.fixed_faces + face] = moving_held[face];
     }

@@ -28,9 +28,9 @@ pub use octree::{
     Duplication, Mipmapping, OctreeBuilder, OctreeBuilding, OctreeOptions, OctreeParts,
     OctreeStats, TreeToBuild,
 };
-pub(crate) use octree::{OctreeVolume, ShownList};
 #[cfg(test)]
-pub(crate) use octree::{OldAtlas, TreeUniform, Verdict as TreeVerdict, read_nodes};
+pub(crate) use octree::{Needs as TreeNeeds, OldAtlas, TreeUniform, read_nodes};
+pub(crate) use octree::{OctreeVolume, ShownList};
 pub(crate) use surface::SURFACE_BYTES;
 use surface::Surface;
 

@@ -15,7 +15,7 @@ import package::voxelize::piece::{Piece, piece_in_voxel};
 import package::voxelize::plane_keys::{Plane, apart, key_of, plane_of, plane_of_walk};
 import package::voxelize::surface::{SurfaceMap, surface_at, surface_map, PIERCED, UNIFORM, VARIED};
 import package::voxelize::triangles::{SMALLEST_COVERAGE, draws};
-import package::voxelize::verdict::Verdict;
+import package::voxelize::needs::Needs;
 import package::voxelize::footprint::turn_back;
 import package::voxelize::walk::{Walk, walk_begin, walk_cell, walk_on};
 import package::voxels::list::{faces_before, faces_in};
@@ -29,7 +29,7 @@ import package::voxels::morton::morton_encode;
 // reflectance, gloss, emission and position within the voxel; and the area of holes. In addition
 // bits: what the face covers (cover.wgsl), its flags, and the key of its plane.
 @group(2) @binding(3) var<storage, read_write> sums: array<atomic<u32>>;
-@group(2) @binding(4) var<uniform> verdict: Verdict;
+@group(2) @binding(4) var<uniform> needs: Needs;
 
 // A random number that depends only on the triangle's corners and the voxel, not on the triangle's
 // place in the list.
@@ -227,7 +227,7 @@ fn plain(
     @builtin(num_workgroups) workgroups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if verdict.no_room == 0u {
+    if needs.overflow == 0u {
         accumulate(find_item(invocation, workgroups, local), UNIFORM);
     }
 }
@@ -239,7 +239,7 @@ fn varied(
     @builtin(num_workgroups) workgroups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if verdict.no_room == 0u {
+    if needs.overflow == 0u {
         accumulate(find_item(invocation, workgroups, local), VARIED);
     }
 }
@@ -251,7 +251,7 @@ fn pierced(
     @builtin(num_workgroups) workgroups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if verdict.no_room == 0u {
+    if needs.overflow == 0u {
         accumulate(find_item(invocation, workgroups, local), PIERCED);
     }
 }

@@ -4,10 +4,10 @@
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::voxelize::former::NO_FACE;
-import package::voxelize::verdict::Verdict;
+import package::voxelize::needs::Needs;
 import package::voxels::list::{Face, Node};
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> moving_nodes: array<Node>;
 @group(1) @binding(2) var<storage, read> united_faces: array<u32>;
 @group(1) @binding(3) var<storage, read> moving_faces: array<Face>;
@@ -22,7 +22,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u || voxel >= verdict.moving_voxels {
+    if needs.overflow != 0u || voxel >= needs.moving_voxels {
         return;
     }
     let cell = moving_nodes[voxel].morton;

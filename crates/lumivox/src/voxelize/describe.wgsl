@@ -5,9 +5,9 @@ import package::gpu::dispatch::linear_index;
 import package::voxels::counts::{ListCounts, NodeRange};
 import package::voxels::list::Node;
 import package::voxels::lookup::bits_below;
-import package::voxelize::verdict::Verdict;
+import package::voxelize::needs::Needs;
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<uniform> counts: ListCounts;
 // The nodes of level 0.
 @group(1) @binding(2) var<uniform> finest: NodeRange;
@@ -27,7 +27,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u || voxel >= finest.count {
+    if needs.overflow != 0u || voxel >= finest.count {
         return;
     }
     let word = nodes[voxel].morton / 32u;

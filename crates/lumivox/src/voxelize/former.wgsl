@@ -3,14 +3,14 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::voxelize::verdict::Verdict;
+import package::voxelize::needs::Needs;
 import package::voxels::list::Node;
 import package::voxels::lookup::bits_below;
 
 // Instead of a face: the list does not have the voxel.
 const NO_FACE = 0xffffffffu;
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> moving_nodes: array<Node>;
 @group(1) @binding(2) var<storage, read> occupancy: array<u32>;
 @group(1) @binding(3) var<storage, read> ranks: array<u32>;
@@ -23,7 +23,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u || voxel >= verdict.moving_voxels {
+    if needs.overflow != 0u || voxel >= needs.moving_voxels {
         return;
     }
     let word = moving_nodes[voxel].morton / 32u;

@@ -2,10 +2,10 @@
 
 use super::Voxelizer;
 use super::input::{self, ShareInput, ShareKey};
-use super::room::{new_list, resized_list};
+use super::new_list::{new_list, resized_list};
 use super::scene::{Fixed, Rebuild, VoxelizedScene, with_spare};
 use super::share::{Share, Work};
-use super::union::{NO_ROOM_FOR_VOXELS, Union, Verdict};
+use super::union::{Needs, OVERFLOW_VOXELS, Union};
 use crate::cascades::Walked;
 use crate::gpu::{LastRead, LateReads, OverflowReads, Recorder, uniform_buffer};
 use crate::volume::SURFACE_BYTES;
@@ -90,7 +90,7 @@ impl Voxelizer {
         if let Some(moving) = &mut scene.moving
             && moving.capacity()[0] == 0
         {
-            moving.make_room(work, FIRST_VOXELS)?;
+            moving.reserve(work, FIRST_VOXELS)?;
             scene.is_bound = false;
         }
         let Some(mut union) = scene.union.take() else { return Ok(()) };
@@ -99,7 +99,7 @@ impl Voxelizer {
         {
             let capacity = moving.capacity();
             let sums = capacity[1].max(with_spare(capacity[0]));
-            moving.make_room_for_sums(work, sums, union.verdict())?;
+            moving.reserve_sums(work, sums, union.needs())?;
             scene.is_bound = false;
         }
         if !scene.is_bound {
@@ -129,8 +129,8 @@ impl Voxelizer {
     /// Applies finished read-backs; grows buffers that overflowed.
     fn apply_reads(work: &mut Work<'_, '_>, scene: &mut VoxelizedScene) -> Result<(), GiError> {
         let Some(words) = scene.late.latest(work.memory.device()) else { return Ok(()) };
-        let (verdict, counts) = words.split_at(size_of::<Verdict>() / 4);
-        let verdict: Verdict = bytemuck::pod_read_unaligned(bytemuck::cast_slice(verdict));
+        let (needs, counts) = words.split_at(size_of::<Needs>() / 4);
+        let needs: Needs = bytemuck::pod_read_unaligned(bytemuck::cast_slice(needs));
         if let Some(list) = &mut scene.list {
             list.know(counts);
         }
@@ -140,28 +140,28 @@ impl Voxelizer {
             return Ok(());
         };
         let [voxels, sums] = moving.capacity();
-        let room = [list.node_capacity(), list.face_capacity()];
+        let capacity = [list.node_capacity(), list.face_capacity()];
         let fixed = scene.fixed.as_ref().map_or(0, |fixed| fixed.faces);
-        let mut needed_sums = u64::from(verdict.sums);
-        let mut needed_faces = u64::from(verdict.moving_faces);
-        if verdict.no_room & NO_ROOM_FOR_VOXELS != 0 {
-            let needed = u64::from(verdict.moving_voxels);
+        let mut needed_sums = u64::from(needs.sums);
+        let mut needed_faces = u64::from(needs.moving_faces);
+        if needs.overflow & OVERFLOW_VOXELS != 0 {
+            let needed = u64::from(needs.moving_voxels);
             // The numbers of their faces are not known yet.
             (needed_sums, needed_faces) = (0, 0);
             if voxels < needed {
-                moving.make_room(work, with_spare(needed))?;
+                moving.reserve(work, with_spare(needed))?;
                 scene.is_bound = false;
             }
         }
-        let needed = [u64::from(verdict.nodes), fixed + needed_faces];
-        if room[0] < needed[0] || room[1] < needed[1] {
-            let nodes = room[0].max(with_spare(needed[0]));
-            let faces = room[1].max(fixed + with_spare(needed_faces));
+        let needed = [u64::from(needs.nodes), fixed + needed_faces];
+        if capacity[0] < needed[0] || capacity[1] < needed[1] {
+            let nodes = capacity[0].max(with_spare(needed[0]));
+            let faces = capacity[1].max(fixed + with_spare(needed_faces));
             scene.list = Some(resized_list(work, list, nodes, faces)?);
             scene.is_bound = false;
         }
         if sums < needed_sums {
-            moving.make_room_for_sums(work, with_spare(needed_sums), union.verdict())?;
+            moving.reserve_sums(work, with_spare(needed_sums), union.needs())?;
             scene.is_bound = false;
         }
         Ok(())
@@ -219,7 +219,7 @@ impl Voxelizer {
         let share = &mut rebuild.share;
         if rebuild.voxels.is_none() {
             let voxels = share.take_marked(&words)?;
-            share.make_room(work, voxels)?;
+            share.reserve(work, voxels)?;
             share.collect_planes(work, kept_share);
             let mut union = Union::new(work)?;
             union.bind_shares(work, [Some(share), None]);
@@ -233,11 +233,11 @@ impl Voxelizer {
             return Ok(None);
         }
         let (faces, nodes) = (share.take_faces(&words), u64::from(words[3]));
-        let verdict = Verdict::of_voxels(share.capacity()[0]);
-        let verdict = uniform_buffer(device, "verdict", &verdict);
+        let needs = Needs::of_voxels(share.capacity()[0]);
+        let needs = uniform_buffer(device, "needs", &needs);
         // It is the largest of the buffers of faces.
         work.memory.check("the surface", faces, SURFACE_BYTES, work.remedy())?;
-        share.make_room_for_sums(work, faces, &verdict)?;
+        share.reserve_sums(work, faces, &needs)?;
         share.sum_up(work, kept_share);
         let Rebuild { key, share, union, .. } = rebuild;
         let counts = kept.map_or(share.counts, |kept| kept.counts);
@@ -265,7 +265,7 @@ impl Voxelizer {
         scene.union = Some(union);
         scene.fixed = fixed;
         scene.replace_list(list);
-        // Earlier verdicts are about the old list.
+        // Earlier read-backs are about the old list.
         scene.late = OverflowReads::default();
         Ok(())
     }

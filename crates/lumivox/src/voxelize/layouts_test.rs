@@ -5,7 +5,7 @@ use lumivox_reflect::check_struct;
 use super::VoxelFaces;
 use super::batch::{ItemRun, SplitCounts, SplitParams};
 use super::input::{DrawRecord, TexturePlace};
-use super::union::{ResolveParams, Room, UnitedVoxel, Verdict};
+use super::union::{Capacity, Needs, ResolveParams, UnitedVoxel};
 use crate::voxels::FaceRecord;
 
 #[test]
@@ -20,8 +20,8 @@ fn structs_lie_in_memory_alike() {
     check_struct::<VoxelFaces>(library, "voxelize::planes", "AtomicVoxelFaces");
     check_struct::<ResolveParams>(library, "voxelize::resolve", "ResolveParams");
     check_struct::<UnitedVoxel>(library, "voxelize::unite", "UnitedVoxel");
-    check_struct::<Room>(library, "voxelize::verdict", "Room");
-    check_struct::<Verdict>(library, "voxelize::verdict", "Verdict");
+    check_struct::<Capacity>(library, "voxelize::needs", "Capacity");
+    check_struct::<Needs>(library, "voxelize::needs", "Needs");
     // The sums of a face are stored in the place of the face's means.
     check_struct::<FaceRecord>(library, "voxelize::face_sums", "FaceSlot");
 }

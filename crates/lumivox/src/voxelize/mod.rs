@@ -43,7 +43,7 @@ pub(crate) mod input;
 mod kernels;
 #[cfg(test)]
 mod layouts_test;
-mod room;
+mod new_list;
 mod scene;
 mod settle;
 mod share;
@@ -82,10 +82,10 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("FACE_MASK_LOW", offset_of!(FaceRecord, mask_low) as u32 / 4)
         .constant_u32("FACE_MASK_HIGH", offset_of!(FaceRecord, mask_high) as u32 / 4)
         .constant_u32("FACE_PROFILES", offset_of!(FaceRecord, profiles) as u32 / 4)
-        .constant_u32("NO_ROOM_FOR_VOXELS", union::NO_ROOM_FOR_VOXELS)
-        .constant_u32("NO_ROOM_FOR_SUMS", union::NO_ROOM_FOR_SUMS)
-        .constant_u32("NO_ROOM_FOR_NODES", union::NO_ROOM_FOR_NODES)
-        .constant_u32("NO_ROOM_FOR_FACES", union::NO_ROOM_FOR_FACES)
+        .constant_u32("OVERFLOW_VOXELS", union::OVERFLOW_VOXELS)
+        .constant_u32("OVERFLOW_SUMS", union::OVERFLOW_SUMS)
+        .constant_u32("OVERFLOW_NODES", union::OVERFLOW_NODES)
+        .constant_u32("OVERFLOW_FACES", union::OVERFLOW_FACES)
         .constant_u32("DOUBLE_SIDED", input::DOUBLE_SIDED)
         .constant_u32("OPEN_BEHIND", input::OPEN_BEHIND)
         .constant_u32("ALPHA_IS_COVERAGE", input::ALPHA_IS_COVERAGE)

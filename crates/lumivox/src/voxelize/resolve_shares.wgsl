@@ -6,11 +6,11 @@ import package::gpu::dispatch::linear_index;
 import package::voxelize::face_sums::{FaceSlot, face_of, is_tilted};
 import package::voxelize::resolve::ResolveParams;
 import package::voxelize::unite::UnitedVoxel;
-import package::voxelize::verdict::Verdict;
+import package::voxelize::needs::Needs;
 import package::voxels::list::{Node, faces_before, faces_in};
 
 @group(1) @binding(0) var<uniform> params: ResolveParams;
-@group(1) @binding(1) var<uniform> verdict: Verdict;
+@group(1) @binding(1) var<uniform> needs: Needs;
 @group(1) @binding(2) var<storage, read> united: array<UnitedVoxel>;
 @group(1) @binding(3) var<storage, read> united_faces: array<u32>;
 @group(1) @binding(4) var<storage, read> fixed_sums: array<FaceSlot>;
@@ -24,7 +24,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u || voxel >= verdict.moving_voxels {
+    if needs.overflow != 0u || voxel >= needs.moving_voxels {
         return;
     }
     let shares = united[voxel];

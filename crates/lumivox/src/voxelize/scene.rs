@@ -9,7 +9,7 @@ use super::Voxelizer;
 use super::batch::Fallbacks;
 use super::input::{ShareInput, ShareKey};
 use super::share::{Share, ShareCounts, Work};
-use super::union::{Moving, Union, Verdict, renew, resolve_fixed};
+use super::union::{Moving, Needs, Union, renew, resolve_fixed};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, LateReads, Memory, OverflowReads, Pipelines, Recorder,
     storage_buffer,
@@ -39,7 +39,7 @@ pub(crate) struct VoxelizedScene {
     pub(super) changed: Buffer,
     /// `true` if the next list is collected, and can be committed.
     pub(super) is_collected: bool,
-    /// Read-backs of [`Verdict`] and the list's counts, since the list was replaced.
+    /// Read-backs of [`Needs`] and the list's counts, since the list was replaced.
     pub(super) late: OverflowReads,
     pub(super) rebuild: Option<Rebuild>,
     /// The next grid: that of a clipmap whose boxes have moved.
@@ -224,7 +224,7 @@ impl VoxelizedScene {
             faces: list.map_or(0, |list| list.face_count),
         };
         if let Some(words) = words {
-            let (level_starts, faces) = VoxelList::counted(&words[VERDICT_WORDS..]);
+            let (level_starts, faces) = VoxelList::counted(&words[NEEDS_WORDS..]);
             (frame.voxels, frame.faces) = (level_starts[1] - level_starts[0], faces);
         }
         frame
@@ -250,9 +250,9 @@ impl VoxelizedScene {
     }
 }
 
-/// Words of the [`Verdict`] at the start of each read-back of [`VoxelizedScene::late`]; the first
+/// Words of the [`Needs`] at the start of each read-back of [`VoxelizedScene::late`]; the first
 /// is zero if nothing overflowed.
-const VERDICT_WORDS: usize = size_of::<Verdict>() / 4;
+const NEEDS_WORDS: usize = size_of::<Needs>() / 4;
 
 /// Capacity for a count that may grow: a quarter more, plus 1024, so that small objects do not
 /// overflow when they turn.
@@ -323,7 +323,7 @@ impl Voxelizer {
         if !scene.is_bound {
             union.bind_list(work, scene.shares(), (list, fixed_faces), &scene.changed)?;
         }
-        union.judge(work);
+        union.check_fit(work);
         if let Some(moving) = &scene.moving {
             moving.sum_up(work, None);
             union.resolve(work, emission_scale);
@@ -338,12 +338,12 @@ impl Voxelizer {
         let Some((union, list)) = scene.union.as_ref().zip(scene.list.as_ref()) else { return };
         let device = recorder.device().clone();
         let work = &mut self.work(recorder, &device, &scene.grid, &scene.globals);
-        union.take(work);
+        union.commit(work);
         if let Some(replaced) = &scene.replaced {
             renew(work, replaced, &scene.changed);
         }
-        let verdict = (union.verdict(), 0, size_of::<Verdict>() as u64);
-        scene.late.record(work.recorder, &[verdict, (&list.counts, 0, list.counts.size())]);
+        let needs = (union.needs(), 0, size_of::<Needs>() as u64);
+        scene.late.record(work.recorder, &[needs, (&list.counts, 0, list.counts.size())]);
         (scene.is_collected, scene.is_list_new, scene.replaced) = (false, false, None);
     }
 }

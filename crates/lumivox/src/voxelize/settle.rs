@@ -111,13 +111,13 @@ impl VoxelizedScene {
 pub(crate) async fn known(
     recorder: &mut Recorder<'_>,
     scene: &VoxelizedScene,
-    told: impl Fn() -> FrameVoxels,
+    status: impl Fn() -> FrameVoxels,
 ) -> Result<FrameVoxels, GiError> {
     loop {
         recorder.flush();
         let (device, queue) = (recorder.device(), recorder.queue());
         read_buffer::<u32>(device, queue, scene.changed(), 0..4).await?;
-        let frame = told();
+        let frame = status();
         if !frame.is_pending {
             return Ok(frame);
         }

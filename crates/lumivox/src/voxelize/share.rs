@@ -1,7 +1,7 @@
 //! A share of the surface, static or dynamic, during the walks.
 //!
 //! A buffer may be larger than needed, or too small: then everything is counted all the same, and
-//! the share is collected again in larger buffers ([`Share::make_room`]).
+//! the share is collected again in larger buffers ([`Share::reserve`]).
 
 use super::batch::{Fallbacks, SplitBatch, SplitCounts};
 use super::hook::{Walk, WalkStep};
@@ -81,8 +81,8 @@ struct Voxels {
 struct Sums {
     capacity: u64,
     buffer: Buffer,
-    /// `Verdict` of `verdict.wgsl`: whether the sums fit.
-    verdict: Buffer,
+    /// `Needs` of `needs.wgsl`: whether the sums fit.
+    needs: Buffer,
     walk_groups: Vec<BindGroup>,
 }
 
@@ -150,7 +150,7 @@ impl Share {
         let Some(voxels) = &mut self.voxels else { return };
         voxels.walk_groups = groups(&layouts.planes, &[cells, &voxels.faces, &voxels.pieces]);
         let Some(sums) = &mut self.sums else { return };
-        let buffers = [cells, &voxels.faces, &sums.buffer, &sums.verdict];
+        let buffers = [cells, &voxels.faces, &sums.buffer, &sums.needs];
         sums.walk_groups = groups(&layouts.accumulate, &buffers);
     }
 
@@ -163,7 +163,7 @@ impl Share {
     }
 
     /// Allocates buffers for `capacity` voxels.
-    pub fn make_room(&mut self, work: &mut Work<'_, '_>, capacity: u64) -> Result<(), GiError> {
+    pub fn reserve(&mut self, work: &mut Work<'_, '_>, capacity: u64) -> Result<(), GiError> {
         let remedy = work.remedy();
         let stride = size_of::<VoxelFaces>() as u64;
         // The binding of an array needs at least one element.
@@ -195,18 +195,18 @@ impl Share {
         Ok(())
     }
 
-    /// Allocates sums for `capacity` faces; `verdict` says whether they fit.
-    pub fn make_room_for_sums(
+    /// Allocates sums for `capacity` faces; `needs` says whether they fit.
+    pub fn reserve_sums(
         &mut self,
         work: &mut Work<'_, '_>,
         capacity: u64,
-        verdict: &Buffer,
+        needs: &Buffer,
     ) -> Result<(), GiError> {
         let stride = size_of::<FaceRecord>() as u64;
         let capacity = capacity.max(1);
         let buffer = work.memory.buffer("sums of faces", capacity, stride, work.remedy())?;
-        let verdict = verdict.clone();
-        self.sums = Some(Sums { capacity, buffer, verdict, walk_groups: Vec::new() });
+        let needs = needs.clone();
+        self.sums = Some(Sums { capacity, buffer, needs, walk_groups: Vec::new() });
         self.bind_walks(work);
         Ok(())
     }
@@ -251,7 +251,7 @@ impl Share {
         kernels.prepare_faces.run_linear(work.recorder, &groups, voxels.capacity);
     }
 
-    /// Sums up the faces if the verdict is that nothing overflowed; those from the share `kept`
+    /// Sums up the faces if nothing overflowed; those from the share `kept`
     /// keep their sums.
     pub fn sum_up(&self, work: &mut Work<'_, '_>, kept: Option<&Self>) {
         let Some(sums) = &self.sums else { return };

@@ -10,12 +10,12 @@ import package::cascades::voxel_of;
 import package::constants::{HIDDEN, LINEAR_WORKGROUP_SIZE, PARTED, SINGLE_SIDED};
 import package::gpu::dispatch::linear_index;
 import package::grid::{grid_from_world, world_from_grid};
-import package::voxelize::verdict::Verdict;
+import package::voxelize::needs::Needs;
 import package::voxels::covered::{across, is_covered};
 import package::voxels::list::{Face, Node, faces_of, lobe_axis};
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> nodes: array<Node>;
 @group(1) @binding(2) var<storage, read> first_faces: array<u32>;
 @group(1) @binding(3) var<storage, read_write> faces: array<Face>;
@@ -152,7 +152,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u || voxel >= verdict.moving_voxels {
+    if needs.overflow != 0u || voxel >= needs.moving_voxels {
         return;
     }
     let count = faces_of(nodes[voxel].lobes);

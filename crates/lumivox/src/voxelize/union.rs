@@ -3,7 +3,7 @@
 //! The list is changed in place. The faces of static surface are at the front of the list and stay
 //! there; after them come the faces of the voxels that dynamic surface touches, including the
 //! static faces of those voxels. A new list is built beside the old one and committed only if it
-//! fits, which the GPU decides by itself (`verdict.wgsl`).
+//! fits, which the GPU decides by itself (`needs.wgsl`).
 
 use bytemuck::{Pod, Zeroable};
 
@@ -39,10 +39,10 @@ pub(super) struct UnitedVoxel {
     pub scales: [f32; 2],
 }
 
-/// `Room` of `verdict.wgsl`.
+/// `Capacity` of `needs.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(super) struct Room {
+pub(super) struct Capacity {
     pub voxels: u32,
     pub sums: u32,
     pub nodes: u32,
@@ -51,11 +51,11 @@ pub(super) struct Room {
     padding: [u32; 3],
 }
 
-/// `Verdict` of `verdict.wgsl`.
+/// `Needs` of `needs.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub(super) struct Verdict {
-    pub no_room: u32,
+pub(super) struct Needs {
+    pub overflow: u32,
     pub moving_voxels: u32,
     pub moving_faces: u32,
     pub sums: u32,
@@ -63,8 +63,8 @@ pub(super) struct Verdict {
     padding: [u32; 3],
 }
 
-impl Verdict {
-    /// A verdict without overflow, for `voxels` voxels.
+impl Needs {
+    /// No overflow, for `voxels` voxels.
     pub fn of_voxels(voxels: u64) -> Self {
         Self { moving_voxels: voxels as u32, ..Self::zeroed() }
     }
@@ -72,14 +72,14 @@ impl Verdict {
 
 const _: () = assert!(size_of::<VoxelFaces>() >= size_of::<FaceRecord>());
 
-/// Bits of [`Verdict::no_room`]: the voxels of the dynamic share do not fit.
-pub(super) const NO_ROOM_FOR_VOXELS: u32 = 1;
+/// Bits of [`Needs::overflow`]: the voxels of the dynamic share do not fit.
+pub(super) const OVERFLOW_VOXELS: u32 = 1;
 /// The sums of the dynamic share do not fit.
-pub(super) const NO_ROOM_FOR_SUMS: u32 = 2;
+pub(super) const OVERFLOW_SUMS: u32 = 2;
 /// The nodes of all levels do not fit.
-pub(super) const NO_ROOM_FOR_NODES: u32 = 4;
+pub(super) const OVERFLOW_NODES: u32 = 4;
 /// The faces of the list do not fit.
-pub(super) const NO_ROOM_FOR_FACES: u32 = 8;
+pub(super) const OVERFLOW_FACES: u32 = 8;
 
 /// The union of both shares.
 #[derive(Debug)]
@@ -91,12 +91,12 @@ pub(super) struct Union {
     pyramid: BoundPyramid,
     /// The voxels that dynamic surface touches in the current list: bits of the finest level.
     moving_before: Buffer,
-    /// [`Verdict`].
-    verdict: Buffer,
+    /// [`Needs`].
+    needs: Buffer,
     params: Staged,
     merge: Option<BindGroup>,
     united: Option<United>,
-    taking: Option<Taking>,
+    bound: Option<BoundList>,
 }
 
 /// Buffers for the voxels that dynamic surface touches.
@@ -113,20 +113,20 @@ struct United {
 
 /// Bindings to the list.
 #[derive(Debug)]
-struct Taking {
+struct BoundList {
     /// The faces of the voxels that dynamic surface touches.
     moving_faces: Buffer,
-    room: Room,
+    capacity: Capacity,
     /// Words of the bits, plus one for the total.
     words: u64,
     nodes: u64,
-    verdict: BindGroup,
+    needs: BindGroup,
     resolve: BindGroup,
     starts: BindGroup,
     former: BindGroup,
     compare: BindGroup,
-    take: BindGroup,
-    take_faces: BindGroup,
+    commit_cells: BindGroup,
+    commit_faces: BindGroup,
     describe: BindGroup,
     bound_nodes: BoundNodes,
     inner: BoundInner,
@@ -135,8 +135,8 @@ struct Taking {
 /// The data that lighting needs to move light to a list that is about to be committed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moving<'a> {
-    /// [`Verdict`].
-    pub verdict: &'a Buffer,
+    /// [`Needs`].
+    pub needs: &'a Buffer,
     /// For each voxel that dynamic surface touches, the index of its first face among `faces`.
     pub united_faces: &'a Buffer,
     /// The faces that the list gets after those of static surface.
@@ -155,7 +155,7 @@ impl Union {
         let device = work.memory.device();
         let pyramid = list.pyramid.bind(device, grid, &merged.occupancy);
         let bytes = level_first_word(grid, 1) * 4;
-        let verdict = counted_buffer(device, "verdict", size_of::<Verdict>() as u64);
+        let needs = counted_buffer(device, "needs", size_of::<Needs>() as u64);
         let params = Staged::new(device, "resolve parameters", size_of::<ResolveParams>() as u64);
         Ok(Self {
             // One element of the largest type: the minimum for the binding of an array.
@@ -163,17 +163,17 @@ impl Union {
             merged,
             pyramid,
             moving_before: storage_buffer(device, "moving before", bytes),
-            verdict,
+            needs,
             params,
             merge: None,
             united: None,
-            taking: None,
+            bound: None,
         })
     }
 
-    /// [`Verdict`].
-    pub fn verdict(&self) -> &Buffer {
-        &self.verdict
+    /// [`Needs`].
+    pub fn needs(&self) -> &Buffer {
+        &self.needs
     }
 
     /// Binds the shares' bits.
@@ -253,7 +253,7 @@ impl Union {
     ) -> Result<(), GiError> {
         let Some(united) = &self.united else { return Ok(()) };
         let [voxels, sums] = moving.map_or([0; 2], Share::capacity).map(|count| count as u32);
-        let room = Room {
+        let capacity = Capacity {
             voxels,
             sums,
             nodes: list.node_capacity() as u32,
@@ -261,29 +261,29 @@ impl Union {
             fixed_faces: fixed_count,
             padding: [0; 3],
         };
-        let capacity = u64::from(room.faces.saturating_sub(fixed_count)).max(1);
+        let moving_count = u64::from(capacity.faces.saturating_sub(fixed_count)).max(1);
         let stride = size_of::<FaceRecord>() as u64;
         let remedy = work.remedy();
-        let moving_faces = work.memory.buffer("moving faces", capacity, stride, remedy)?;
+        let moving_faces = work.memory.buffer("moving faces", moving_count, stride, remedy)?;
         let (device, kernels) = (work.memory.device(), work.kernels);
         let layouts = &kernels.layouts;
-        let room_uniform = uniform_buffer(device, "room", &room);
+        let capacity_uniform = uniform_buffer(device, "capacity", &capacity);
         let nothing = &self.nothing;
         let [_, fixed_nodes, fixed_faces] = fixed.and_then(Share::voxels).unwrap_or([nothing; 3]);
         let [_, moving_nodes, own_faces] = moving.and_then(Share::voxels).unwrap_or([nothing; 3]);
         let moving_bits = moving.map(Share::bits);
-        let verdict = BindGroupBuilder::new(&layouts.verdict)
-            .buffer(&room_uniform)
+        let needs = BindGroupBuilder::new(&layouts.needs)
+            .buffer(&capacity_uniform)
             .buffer(&self.merged.ranks)
             .buffer(moving_bits.map_or(nothing, |bits| &bits.ranks))
             .buffer(own_faces)
             .buffer(&united.faces)
-            .buffer(&self.verdict)
+            .buffer(&self.needs)
             .buffer(&list.counts)
-            .build(device, "voxelize::verdict");
+            .build(device, "voxelize::needs");
         let resolve = BindGroupBuilder::new(&layouts.resolve_shares)
             .buffer(self.params.buffer())
-            .buffer(&self.verdict)
+            .buffer(&self.needs)
             .buffer(&united.voxels)
             .buffer(&united.faces)
             .buffer(fixed.and_then(Share::sums).unwrap_or(nothing))
@@ -292,13 +292,13 @@ impl Union {
             .buffer(&moving_faces)
             .build(device, "voxelize::resolve_shares");
         let starts = BindGroupBuilder::new(&layouts.starts)
-            .buffer(&self.verdict)
+            .buffer(&self.needs)
             .buffer(moving_nodes)
             .buffer(&united.faces)
             .buffer(&moving_faces)
             .build(device, "voxelize::starts");
         let former = BindGroupBuilder::new(&layouts.former)
-            .buffer(&self.verdict)
+            .buffer(&self.needs)
             .buffer(moving_nodes)
             .buffer(&list.occupancy)
             .buffer(&list.ranks)
@@ -306,7 +306,7 @@ impl Union {
             .buffer(&united.former)
             .build(device, "voxelize::former");
         let compare = BindGroupBuilder::new(&layouts.compare)
-            .buffer(&self.verdict)
+            .buffer(&self.needs)
             .buffer(moving_nodes)
             .buffer(&united.faces)
             .buffer(&moving_faces)
@@ -314,8 +314,8 @@ impl Union {
             .buffer(&list.faces)
             .buffer(changed)
             .build(device, "voxelize::compare");
-        let take = BindGroupBuilder::new(&layouts.take)
-            .buffer(&self.verdict)
+        let commit_cells = BindGroupBuilder::new(&layouts.commit_cells)
+            .buffer(&self.needs)
             .buffer(&self.merged.occupancy)
             .buffer(&self.merged.ranks)
             .buffer(moving_bits.map_or(nothing, |bits| &bits.occupancy))
@@ -323,15 +323,15 @@ impl Union {
             .buffer(&list.occupancy)
             .buffer(&list.ranks)
             .buffer(changed)
-            .build(device, "voxelize::take");
-        let take_faces = BindGroupBuilder::new(&layouts.take_faces)
-            .buffer(&self.verdict)
+            .build(device, "voxelize::commit_cells");
+        let commit_faces = BindGroupBuilder::new(&layouts.commit_faces)
+            .buffer(&self.needs)
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
             .buffer(&moving_faces)
             .buffer(&list.faces)
-            .build(device, "voxelize::take_faces");
+            .build(device, "voxelize::commit_faces");
         let describe = BindGroupBuilder::new(&layouts.describe)
-            .buffer(&self.verdict)
+            .buffer(&self.needs)
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
             .slice(&list.counts, level_block(0), LIST_COUNT_BYTES)
             .buffer(fixed.map_or(nothing, Share::cells))
@@ -344,17 +344,17 @@ impl Union {
             .buffer(&list.first_faces)
             .build(device, "voxelize::describe");
         let buffers = [&list.occupancy, &list.ranks, &list.nodes];
-        self.taking = Some(Taking {
-            room,
+        self.bound = Some(BoundList {
+            capacity,
             words: level_first_word(work.grid, work.grid.levels) + 1,
             nodes: list.node_capacity(),
-            verdict,
+            needs,
             resolve,
             starts,
             former,
             compare,
-            take,
-            take_faces,
+            commit_cells,
+            commit_faces,
             describe,
             bound_nodes: kernels.list.bind_nodes(device, buffers),
             inner: kernels.list.bind_inner(device, work.grid, list),
@@ -364,55 +364,55 @@ impl Union {
     }
 
     /// Decides whether everything fits; later passes do nothing otherwise.
-    pub fn judge(&self, work: &mut Work<'_, '_>) {
-        let Some(taking) = &self.taking else { return };
-        let groups = [work.globals, &taking.verdict];
-        work.kernels.verdict.run(work.recorder, &groups, [1; 3]);
+    pub fn check_fit(&self, work: &mut Work<'_, '_>) {
+        let Some(bound) = &self.bound else { return };
+        let groups = [work.globals, &bound.needs];
+        work.kernels.needs.run(work.recorder, &groups, [1; 3]);
     }
 
     /// Computes the faces of the voxels that dynamic surface touches, and marks those that differ
     /// from the list.
     pub fn resolve(&mut self, work: &mut Work<'_, '_>, emission_scale: f32) {
-        let (Some(united), Some(taking)) = (&self.united, &self.taking) else { return };
+        let (Some(united), Some(bound)) = (&self.united, &self.bound) else { return };
         let params = ResolveParams { emission_scale, padding: [0; 3] };
         self.params.set(work.recorder, bytemuck::bytes_of(&params));
         let Work { kernels, recorder, globals, .. } = work;
         let count = united.capacity;
-        kernels.resolve_shares.run_linear(recorder, &[globals, &taking.resolve], count);
-        kernels.starts.run_linear(recorder, &[globals, &taking.starts], count);
-        kernels.former.run_linear(recorder, &[globals, &taking.former], count);
-        kernels.compare.run_linear(recorder, &[globals, &taking.compare], count);
+        kernels.resolve_shares.run_linear(recorder, &[globals, &bound.resolve], count);
+        kernels.starts.run_linear(recorder, &[globals, &bound.starts], count);
+        kernels.former.run_linear(recorder, &[globals, &bound.former], count);
+        kernels.compare.run_linear(recorder, &[globals, &bound.compare], count);
     }
 
     /// The data that lighting needs before the list is committed.
     pub fn moving(&self) -> Option<Moving<'_>> {
-        let (united, taking) = self.united.as_ref().zip(self.taking.as_ref())?;
+        let (united, bound) = self.united.as_ref().zip(self.bound.as_ref())?;
         Some(Moving {
-            verdict: &self.verdict,
+            needs: &self.needs,
             united_faces: &united.faces,
-            faces: &taking.moving_faces,
+            faces: &bound.moving_faces,
             former: &united.former,
             voxels: united.capacity,
         })
     }
 
     /// Commits the new list.
-    pub fn take(&self, work: &mut Work<'_, '_>) {
-        let Some(taking) = &self.taking else { return };
+    pub fn commit(&self, work: &mut Work<'_, '_>) {
+        let Some(bound) = &self.bound else { return };
         let Work { kernels, recorder, globals, .. } = work;
-        kernels.take.run_linear(recorder, &[globals, &taking.take], taking.words);
-        let moving = u64::from(taking.room.faces - taking.room.fixed_faces);
-        kernels.take_faces.run_linear(recorder, &[globals, &taking.take_faces], moving);
-        kernels.list.fill_nodes(recorder, globals, &taking.bound_nodes);
-        kernels.describe.run_linear(recorder, &[globals, &taking.describe], taking.nodes);
-        kernels.list.inner_lobes(recorder, globals, &taking.inner);
+        kernels.commit_cells.run_linear(recorder, &[globals, &bound.commit_cells], bound.words);
+        let moving = u64::from(bound.capacity.faces - bound.capacity.fixed_faces);
+        kernels.commit_faces.run_linear(recorder, &[globals, &bound.commit_faces], moving);
+        kernels.list.fill_nodes(recorder, globals, &bound.bound_nodes);
+        kernels.describe.run_linear(recorder, &[globals, &bound.describe], bound.nodes);
+        kernels.list.inner_lobes(recorder, globals, &bound.inner);
     }
 
     /// Bytes on the GPU.
     pub fn bytes(&self) -> u64 {
         let united = self.united.iter().flat_map(|own| [&own.voxels, &own.faces, &own.former]);
-        let taking = self.taking.iter().map(|taking| &taking.moving_faces);
-        let buffers = united.chain(taking).chain([&self.moving_before]);
+        let bound = self.bound.iter().map(|bound| &bound.moving_faces);
+        let buffers = united.chain(bound).chain([&self.moving_before]);
         self.merged.bytes() + buffers.map(|buffer| buffer.size()).sum::<u64>()
     }
 }
@@ -439,9 +439,9 @@ pub(super) fn resolve_fixed(
         .build(device, "voxelize::resolve");
     let count = share.capacity()[0];
     work.kernels.resolve.run_linear(work.recorder, &[work.globals, &group], count);
-    let verdict = uniform_buffer(device, "verdict", &Verdict::of_voxels(count));
+    let needs = uniform_buffer(device, "needs", &Needs::of_voxels(count));
     let group = BindGroupBuilder::new(&work.kernels.layouts.starts)
-        .buffer(&verdict)
+        .buffer(&needs)
         .buffer(nodes)
         .buffer(first_faces)
         .buffer(&list.faces)

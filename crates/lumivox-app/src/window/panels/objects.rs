@@ -15,8 +15,8 @@ use crate::window::{selection, theme};
 /// Height of the list, rows.
 const ROWS: f32 = 9.0;
 
-/// Draws the list of objects whose names contain `filter`, and the selected one with the mode of its
-/// handles.
+/// Draws the list of objects whose names contain `filter`, and the selected one with the mode of
+/// its handles.
 pub fn show(
     ui: &mut Ui,
     scene: &SceneModel,

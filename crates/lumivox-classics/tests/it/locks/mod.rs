@@ -18,7 +18,7 @@ use lumivox_classics::locks::locks;
 use crate::testing::nodes::{
     crowded_voxel, expected_nodes, full_grid, odd_grid, speck, turned_room,
 };
-use crate::testing::{device, read, wait_told};
+use crate::testing::{device, read, wait_until_read};
 use read::read_bricks;
 use watched::Watched;
 
@@ -137,7 +137,7 @@ fn missing_nodes_are_an_error() {
         let mut recorder = Recorder::new(device, queue);
         let frame = gi.frame(&mut recorder, voxels_of(&geometry, &settings));
         recorder.submit();
-        wait_told(device, &gi);
+        wait_until_read(device, &gi);
         frame.err()
     });
     assert_told(frames.expect("a group is missing"));

@@ -12,7 +12,7 @@ use lumivox::{
 
 use super::read::read_bricks;
 use super::{by_locks, by_ranks, radiance, voxels_of};
-use crate::testing::{device, moved, room_with_a_box, wait_told};
+use crate::testing::{device, moved, room_with_a_box, wait_until_read};
 
 /// Two octrees, by ranks and by locks.
 struct Pair {
@@ -50,7 +50,7 @@ impl Pair {
                 gi.frame(&mut recorder, voxels_of(geometry, &TraceSettings::default()))
                     .expect("it fits");
                 recorder.submit();
-                wait_told(device, gi);
+                wait_until_read(device, gi);
                 in_time = if gi.status().is_late { 0 } else { in_time + 1 };
                 // The second one has taken over the counts of the first.
                 if in_time == 2 {

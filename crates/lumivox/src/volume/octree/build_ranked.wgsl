@@ -9,9 +9,9 @@ import package::gpu::dispatch::linear_index;
 import package::volume::octree::groups::occupied_bytes;
 import package::volume::octree::sites::Site;
 import package::volume::octree::tree::{node_word, tree, NODE_CHILDREN, NONE};
-import package::volume::octree::verdict::Verdict;
+import package::volume::octree::needs::Needs;
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> node_bits: array<u32>;
 @group(1) @binding(2) var<storage, read> group_ranks: array<u32>;
 @group(1) @binding(3) var<storage, read_write> octree_out: array<u32>;
@@ -47,7 +47,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let word = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u {
+    if needs.overflow != 0u {
         return;
     }
     if word == 0u {

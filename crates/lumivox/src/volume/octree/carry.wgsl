@@ -6,9 +6,9 @@ import package::gpu::dispatch::linear_index;
 import package::volume::octree::renewals::Renewal;
 import package::volume::octree::tree::{all_parts, tree};
 import package::volume::octree::values::value_place;
-import package::volume::octree::verdict::Verdict;
+import package::volume::octree::needs::Needs;
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> renewals: array<Renewal>;
 // A bit per cell, laid out like the occupancy: cells with changed surface, in themselves or below.
 @group(1) @binding(2) var<storage, read> changed: array<u32>;
@@ -20,7 +20,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let thread = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u || thread / 8u >= verdict.renewals {
+    if needs.overflow != 0u || thread / 8u >= needs.renewals {
         return;
     }
     let renewal = renewals[thread / 8u];

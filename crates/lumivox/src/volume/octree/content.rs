@@ -50,7 +50,7 @@ impl ContentKernels {
             .uniform()
             .storage()
             .build(device, "volume::octree::search");
-        // Changed cells, nodes, values, the verdict.
+        // Changed cells, nodes, values, `Needs`.
         let cells = || {
             let layout = LayoutBuilder::compute().uniform().storage().storage().storage();
             layout.storage_mut().uniform()
@@ -95,7 +95,7 @@ impl ContentKernels {
         (grid, globals): (&Grid, BindGroup),
         (voxels, radiance): (&VoxelList, &Buffer),
         changed: &ChangedCells,
-        (tree, verdict): (&Tree, &Buffer),
+        (tree, needs): (&Tree, &Buffer),
     ) -> BoundContent {
         let of_level = |layout, level: usize| {
             BindGroupBuilder::new(layout)
@@ -104,7 +104,7 @@ impl ContentKernels {
                 .buffer(&changed.cells)
                 .buffer(&voxels.nodes)
                 .buffer(&tree.values)
-                .buffer(verdict)
+                .buffer(needs)
         };
         let store = of_level(&self.store_layout, 0)
             .buffer(&voxels.first_faces)

@@ -11,11 +11,11 @@ import package::volume::changes::list::NOTHING;
 import package::volume::octree::search::{node_parts, octree};
 import package::volume::octree::tree::{brick_origin, node_word, NODE_FIRST_BRICK};
 import package::volume::octree::values::{nodes, owner_at, unpack_value, value_place, values, Owner};
-import package::volume::octree::verdict::Verdict;
+import package::volume::octree::needs::Needs;
 import package::volume::parts::stored_parts;
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(5) var<uniform> verdict: Verdict;
+@group(1) @binding(5) var<uniform> needs: Needs;
 @group(1) @binding(6) var atlas_out: texture_storage_3d<rgba16float, write>;
 
 // The copy that a thread makes.
@@ -32,7 +32,7 @@ struct Task {
 
 fn task_of(index: u32) -> Task {
     let changed = changed_cell(index);
-    if changed.node == NOTHING || verdict.no_room != 0u {
+    if changed.node == NOTHING || needs.overflow != 0u {
         return Task(false, vec3u(0u), 0u, 0u, 0u, Owner(0u, 0u));
     }
     let level = level_words.level + 1u;

@@ -9,14 +9,14 @@ import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
 import package::volume::octree::tree::tree;
 import package::volume::octree::values::{load_value, nodes, owner_at, store_value, Owner};
-import package::volume::octree::verdict::Verdict;
+import package::volume::octree::needs::Needs;
 import package::volume::changes::cells::{changed_cell, level_words};
 import package::volume::changes::list::NOTHING;
 import package::volume::column::{filter_column, AxisParts};
 import package::volume::parts::{part_of, stored_parts, NEGATIVE, POSITIVE, TILT};
 import package::voxels::lookup::bits_below;
 
-@group(1) @binding(5) var<uniform> verdict: Verdict;
+@group(1) @binding(5) var<uniform> needs: Needs;
 @group(1) @binding(6) var<storage, read> occupancy: array<u32>;
 @group(1) @binding(7) var<storage, read> ranks: array<u32>;
 
@@ -80,7 +80,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let changed = changed_cell(linear_index(invocation, workgroups));
-    if changed.node != NOTHING && verdict.no_room == 0u {
+    if changed.node != NOTHING && needs.overflow == 0u {
         filter_cell(changed.node, changed.morton);
     }
 }
@@ -92,7 +92,7 @@ fn every_cell(
 ) {
     let code = linear_index(invocation, workgroups);
     let edge_bits = tree.root_level - level_words.level;
-    if code >= 1u << (3u * edge_bits) || verdict.no_room != 0u {
+    if code >= 1u << (3u * edge_bits) || needs.overflow != 0u {
         return;
     }
     let word = tree.levels[level_words.level].z + code / 32u;

@@ -2,7 +2,7 @@
 //! bricks are stored.
 //!
 //! Everything is recorded without knowing the counts on the CPU: buffers have a capacity, counts
-//! stay on the GPU, and one thread compares the two (`verdict.wgsl`). What is shown is written
+//! stay on the GPU, and one thread compares the two (`needs.wgsl`). What is shown is written
 //! after that, and only if nothing overflows.
 
 use bytemuck::{Pod, Zeroable};
@@ -19,11 +19,11 @@ use crate::gpu::{
 use crate::volume::CELL_FORMAT;
 use crate::voxels::{BitLevel, BoundPyramid, Pyramid, VoxelList, level_first_word};
 
-/// `Verdict` of `verdict.wgsl`.
+/// `Needs` of `needs.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub(crate) struct TreeVerdict {
-    pub(crate) no_room: u32,
+pub(crate) struct TreeNeeds {
+    pub(crate) overflow: u32,
     pub(crate) groups: u32,
     pub(crate) renewals: u32,
     pub(crate) brick_places: u32,
@@ -42,22 +42,22 @@ pub(crate) struct TreeVerdict {
     pub(crate) needed: [[u32; 4]; 3],
 }
 
-/// Bits of [`TreeVerdict::no_room`]: too many nodes.
-pub(crate) const NO_ROOM_FOR_PLACES: u32 = 1;
+/// Bits of [`TreeNeeds::overflow`]: too many nodes.
+pub(crate) const OVERFLOW_PLACES: u32 = 1;
 /// Too many renewed nodes.
-pub(crate) const NO_ROOM_FOR_RENEWALS: u32 = 2;
+pub(crate) const OVERFLOW_RENEWALS: u32 = 2;
 /// The atlas is full.
-pub(crate) const NO_ROOM_FOR_BRICKS: u32 = 4;
+pub(crate) const OVERFLOW_BRICKS: u32 = 4;
 
-/// Bytes of `Places` of `verdict.wgsl`.
+/// Bytes of `Places` of `needs.wgsl`.
 const PLACES_BYTES: u64 = 44;
 
 /// State that persists from list to list and does not depend on capacities.
 #[derive(Debug)]
 pub(super) struct State {
-    /// [`TreeVerdict`].
-    pub verdict: Buffer,
-    /// `Places` of `verdict.wgsl`.
+    /// [`TreeNeeds`].
+    pub needs: Buffer,
+    /// `Places` of `needs.wgsl`.
     places: Buffer,
     /// A bit per voxel whose change was missed.
     missed: Buffer,
@@ -66,7 +66,7 @@ pub(super) struct State {
 impl State {
     pub fn new(device: &wgpu::Device, grid: &Grid) -> Self {
         Self {
-            verdict: counted_buffer(device, "verdict", size_of::<TreeVerdict>() as u64),
+            needs: counted_buffer(device, "needs", size_of::<TreeNeeds>() as u64),
             places: storage_buffer(device, "octree: places of bricks", PLACES_BYTES),
             missed: storage_buffer(device, "octree: missed", level_first_word(grid, 1) * 4),
         }
@@ -90,7 +90,7 @@ pub(super) struct FollowKernels {
     count_renewals: Kernel,
     list_renewals: Kernel,
     masks: Kernel,
-    verdict: Kernel,
+    needs: Kernel,
     take_places: Kernel,
     give_places_back: Kernel,
     build: Kernel,
@@ -113,7 +113,7 @@ struct Layouts {
     groups: wgpu::BindGroupLayout,
     renewals: wgpu::BindGroupLayout,
     masks: wgpu::BindGroupLayout,
-    verdict: wgpu::BindGroupLayout,
+    needs: wgpu::BindGroupLayout,
     places: wgpu::BindGroupLayout,
     build: wgpu::BindGroupLayout,
     inherit: wgpu::BindGroupLayout,
@@ -147,11 +147,11 @@ pub(super) struct BoundFollow {
     group_scan: BoundScan,
     renewals: BindGroup,
     renewed_scan: BoundScan,
-    /// Arguments of a dispatch over renewals before the verdict.
+    /// Arguments of a dispatch over renewals before the needs are known.
     all_renewals: BoundIndirect,
     masks: BindGroup,
     run_scan: BoundScan,
-    verdict: BindGroup,
+    needs: BindGroup,
     places: BindGroup,
     build: BindGroup,
     inherit: BindGroup,
@@ -193,7 +193,7 @@ impl FollowKernels {
             groups: layout(0, 1, 1, "volume::octree::groups"),
             renewals: layout(0, 1, 2, "volume::octree::renewals"),
             masks: layout(0, 5, 2, "volume::octree::masks"),
-            verdict: layout(0, 4, 2, "volume::octree::verdict"),
+            needs: layout(0, 4, 2, "volume::octree::needs"),
             places: layout(1, 1, 3, "volume::octree::places"),
             build: layout(1, 2, 2, "volume::octree::build_ranked"),
             inherit: layout(1, 4, 1, "volume::octree::inherit"),
@@ -222,7 +222,7 @@ impl FollowKernels {
             count_renewals: kernel("renewals", "count", tree, &layouts.renewals)?,
             list_renewals: kernel("renewals", "list", tree, &layouts.renewals)?,
             masks: kernel("masks", "main", search, &layouts.masks)?,
-            verdict: kernel("verdict", "main", tree, &layouts.verdict)?,
+            needs: kernel("needs", "main", tree, &layouts.needs)?,
             take_places: kernel("places", "take", tree, &layouts.places)?,
             give_places_back: kernel("places", "give_back", tree, &layouts.places)?,
             build: kernel("build_ranked", "main", tree, &layouts.build)?,
@@ -251,7 +251,7 @@ impl FollowKernels {
         changed: &Buffer,
     ) -> BoundMissed {
         let group = BindGroupBuilder::new(&self.layouts.missed)
-            .buffer(&state.verdict)
+            .buffer(&state.needs)
             .buffer(&state.missed)
             .buffer(changed)
             .build(device, "volume::octree::missed");
@@ -319,7 +319,7 @@ impl FollowKernels {
         let run = Run { first: 0, end: words as u32 };
         let zero = storage_buffer(device, "no overflow", 4);
         let layouts = &self.layouts;
-        let verdict = &state.verdict;
+        let needs = &state.needs;
         let renewals_group = group(
             renewals,
             &[&renewed, &renewed_ranks, &scratch.renewals],
@@ -338,44 +338,44 @@ impl FollowKernels {
             ],
             "volume::octree::masks",
         );
-        let verdict_group = group(
-            &layouts.verdict,
+        let needs_group = group(
+            &layouts.needs,
             &[
                 &group_ranks,
                 &renewed_ranks,
                 &scratch.renewals,
                 &scratch.run_starts,
                 &state.places,
-                verdict,
+                needs,
             ],
-            "volume::octree::verdict",
+            "volume::octree::needs",
         );
         let places = group(
             &layouts.places,
-            &[verdict, &scratch.run_starts, &scratch.renewals, &tree.free_runs, &tree.octree],
+            &[needs, &scratch.run_starts, &scratch.renewals, &tree.free_runs, &tree.octree],
             "volume::octree::places",
         );
         let build = group(
             &layouts.build,
-            &[verdict, &node_bits, &group_ranks, &tree.octree, &tree.sites],
+            &[needs, &node_bits, &group_ranks, &tree.octree, &tree.sites],
             "volume::octree::build_ranked",
         );
         let inherit = group(
             &layouts.inherit,
-            &[verdict, &tree.sites, &renewed, &renewed_ranks, &scratch.renewals, &tree.octree],
+            &[needs, &tree.sites, &renewed, &renewed_ranks, &scratch.renewals, &tree.octree],
             "volume::octree::inherit",
         );
         let pointers = tree.nodes_before.as_ref().map(|nodes_before| {
-            let buffers = [verdict, &tree.sites, nodes_before];
+            let buffers = [needs, &tree.sites, nodes_before];
             group(&layouts.pointers, &buffers, "volume::octree::pointers")
         });
         let carry = group(
             &layouts.carry,
-            &[verdict, &scratch.renewals, changed, &tree.values],
+            &[needs, &scratch.renewals, changed, &tree.values],
             "volume::octree::carry",
         );
         let refill = BindGroupBuilder::new(&layouts.refill)
-            .buffer(verdict)
+            .buffer(needs)
             .buffer(&scratch.renewals)
             .buffer(changed)
             .buffer(&tree.values)
@@ -399,7 +399,7 @@ impl FollowKernels {
             all_renewals: self.indirect.bind(device, &renewed_ranks, &[run], &zero),
             masks,
             run_scan: self.scan.bind(device, &scratch.run_starts, run_words as u32),
-            verdict: verdict_group,
+            needs: needs_group,
             places,
             build,
             inherit,
@@ -419,7 +419,7 @@ impl FollowKernels {
         &self,
         recorder: &mut Recorder<'_>,
         bound: &BoundFollow,
-        verdict: &Buffer,
+        needs: &Buffer,
         builder: Option<&dyn OctreeBuilder>,
     ) {
         let [octree, old_octree] = &bound.old;
@@ -446,18 +446,18 @@ impl FollowKernels {
             self.masks.dispatch_indirect(pass, &[&bound.so_far, &bound.masks], arguments, 0);
         });
         self.scan.run_bound(recorder, &bound.run_scan);
-        self.verdict.run(recorder, &[&bound.tree, &bound.verdict], [1; 3]);
+        self.needs.run(recorder, &[&bound.tree, &bound.needs], [1; 3]);
 
         // Brick places, nodes, and their content.
         let at = |member: usize| member as u64;
-        let of_renewals = at(std::mem::offset_of!(TreeVerdict, renewal_groups));
-        let of_nodes = at(std::mem::offset_of!(TreeVerdict, node_groups));
-        let of_cells = at(std::mem::offset_of!(TreeVerdict, cell_groups));
-        let of_texels = at(std::mem::offset_of!(TreeVerdict, texel_groups));
+        let of_renewals = at(std::mem::offset_of!(TreeNeeds, renewal_groups));
+        let of_nodes = at(std::mem::offset_of!(TreeNeeds, node_groups));
+        let of_cells = at(std::mem::offset_of!(TreeNeeds, cell_groups));
+        let of_texels = at(std::mem::offset_of!(TreeNeeds, texel_groups));
         recorder.compute("volume::octree::places", |pass| {
             for kernel in [&self.take_places, &self.give_places_back] {
                 let groups = [&bound.tree, &bound.places];
-                kernel.dispatch_indirect(pass, &groups, verdict, of_renewals);
+                kernel.dispatch_indirect(pass, &groups, needs, of_renewals);
             }
         });
         match builder {
@@ -468,21 +468,21 @@ impl FollowKernels {
         }
         recorder.compute("volume::octree::inherit", |pass| {
             let groups = [&bound.so_far, &bound.inherit];
-            self.inherit.dispatch_indirect(pass, &groups, verdict, of_nodes);
+            self.inherit.dispatch_indirect(pass, &groups, needs, of_nodes);
         });
         if let Some(pointers) = &bound.pointers {
             recorder.compute("volume::octree::pointers", |pass| {
                 let groups = [&bound.shown, pointers];
-                self.pointers.dispatch_indirect(pass, &groups, verdict, of_nodes);
+                self.pointers.dispatch_indirect(pass, &groups, needs, of_nodes);
             });
         }
         recorder.compute("volume::octree::carry", |pass| {
             let groups = [&bound.shown, &bound.carry];
-            self.carry.dispatch_indirect(pass, &groups, verdict, of_cells);
+            self.carry.dispatch_indirect(pass, &groups, needs, of_cells);
         });
         recorder.compute("volume::octree::refill", |pass| {
             let groups = [&bound.shown, &bound.refill];
-            self.refill.dispatch_indirect(pass, &groups, verdict, of_texels);
+            self.refill.dispatch_indirect(pass, &groups, needs, of_texels);
         });
     }
 

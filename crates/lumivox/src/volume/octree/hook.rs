@@ -101,9 +101,9 @@ pub struct TreeToBuild<'a> {
     pub voxels: &'a VoxelList,
     /// Capacity in places for nodes.
     pub places: u64,
-    /// `Verdict` of `package::volume::octree::verdict`, as a uniform: whether everything fits
-    /// (`no_room` is 0), and how many groups are needed.
-    pub verdict: &'a Buffer,
+    /// `Needs` of `package::volume::octree::needs`, as a uniform: whether everything fits
+    /// (`overflow` is 0), and how many groups are needed.
+    pub needs: &'a Buffer,
     /// Output: the words `node_word(place) + NODE_CHILDREN` of `package::volume::octree::tree`. The
     /// builder must not write the rest of a node.
     pub octree: &'a Buffer,

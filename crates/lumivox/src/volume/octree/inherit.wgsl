@@ -10,11 +10,11 @@ import package::volume::octree::renewals::Renewal;
 import package::volume::octree::search::{find_node, octree};
 import package::volume::octree::sites::Site;
 import package::volume::octree::tree::{node_word, table_entry, tree, NODE_FIRST_BRICK, NODE_MASKS};
-import package::volume::octree::verdict::Verdict;
+import package::volume::octree::needs::Needs;
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> sites: array<Site>;
 @group(1) @binding(2) var<storage, read> renewed: array<u32>;
 @group(1) @binding(3) var<storage, read> renewed_ranks: array<u32>;
@@ -35,7 +35,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let slot = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u || slot >= 8u * verdict.groups {
+    if needs.overflow != 0u || slot >= 8u * needs.groups {
         return;
     }
     let site = sites[slot];

@@ -2,9 +2,9 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::volume::octree::verdict::Verdict;
+import package::volume::octree::needs::Needs;
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 // A bit per voxel.
 @group(1) @binding(1) var<storage, read_write> missed: array<u32>;
 // A bit per cell of all levels, the voxels first.
@@ -22,8 +22,8 @@ fn join(
     }
 }
 
-// Runs after a verdict, and after an update: marks changes as missed on overflow, otherwise clears
-// the marks.
+// Runs after `needs.wgsl`, and after an update: marks changes as missed on overflow, otherwise
+// clears the marks.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn note(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -31,6 +31,6 @@ fn note(
 ) {
     let word = linear_index(invocation, workgroups);
     if word < arrayLength(&missed) {
-        missed[word] = select(0u, missed[word] | changed[word], verdict.no_room != 0u);
+        missed[word] = select(0u, missed[word] | changed[word], needs.overflow != 0u);
     }
 }

@@ -9,7 +9,7 @@
 //! | step | once per | files |
 //! | --- | --- | --- |
 //! | existing nodes, and those with changed cells | voxel list | `mark.wgsl`, `renewals.wgsl` |
-//! | masks of the latter, and whether everything fits | voxel list | `masks.wgsl`, `verdict.wgsl` |
+//! | masks of the latter, and whether everything fits | voxel list | `masks.wgsl`, `needs.wgsl` |
 //! | places of their bricks | voxel list | `places.wgsl` |
 //! | node groups, by ranks or `hook.rs` | voxel list | `groups.wgsl`, `build_ranked.wgsl` |
 //! | bricks and masks of all nodes, and the table | voxel list | `inherit.wgsl` |
@@ -42,10 +42,10 @@ use crate::{GiError, Grid};
 
 use content::{BoundContent, ContentKernels};
 #[cfg(test)]
-pub(crate) use follow::TreeVerdict as Verdict;
+pub(crate) use follow::TreeNeeds as Needs;
 use follow::{
-    BoundFollow, BoundMissed, FollowKernels, NO_ROOM_FOR_BRICKS, NO_ROOM_FOR_PLACES,
-    NO_ROOM_FOR_RENEWALS, State, TreeVerdict,
+    BoundFollow, BoundMissed, FollowKernels, OVERFLOW_BRICKS, OVERFLOW_PLACES, OVERFLOW_RENEWALS,
+    State, TreeNeeds,
 };
 pub use hook::{OctreeBuilder, OctreeBuilding, OctreeParts, TreeToBuild};
 use layout::TreeLayout;
@@ -56,7 +56,7 @@ pub use options::{Duplication, Mipmapping, OctreeOptions, OctreeStats};
 pub(crate) use tests::read_nodes;
 #[cfg(test)]
 pub(crate) use tree::OldAtlas;
-use tree::{Resettler, Room, Scratch, Tree};
+use tree::{Capacity, Resettler, Scratch, Tree};
 
 /// Defines the constants that Rust and the shaders of this folder share.
 pub(super) fn add_constants(library: &mut ShaderLibrary) {
@@ -65,9 +65,9 @@ pub(super) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("NODE_WORDS", layout::NODE_WORDS)
         .constant_u32("BRICK_TEXELS", tree::BRICK_TEXELS)
         .constant_u32("RUN_KINDS", tree::RUN_KINDS as u32)
-        .constant_u32("NO_ROOM_FOR_PLACES", NO_ROOM_FOR_PLACES)
-        .constant_u32("NO_ROOM_FOR_RENEWALS", NO_ROOM_FOR_RENEWALS)
-        .constant_u32("NO_ROOM_FOR_BRICKS", NO_ROOM_FOR_BRICKS);
+        .constant_u32("OVERFLOW_PLACES", OVERFLOW_PLACES)
+        .constant_u32("OVERFLOW_RENEWALS", OVERFLOW_RENEWALS)
+        .constant_u32("OVERFLOW_BRICKS", OVERFLOW_BRICKS);
 }
 
 /// The memory grows with this power of the resolution, as surfaces do.
@@ -98,7 +98,7 @@ pub(crate) struct OctreeVolume {
     following: Option<BoundFollow>,
     content: Option<BoundContent>,
     missed: Option<BoundMissed>,
-    /// Read-backs of the verdicts.
+    /// Read-backs of [`TreeNeeds`].
     late: OverflowReads,
     /// `true` once a list was shown.
     has_list: bool,
@@ -142,7 +142,7 @@ impl OctreeVolume {
         let builder = building.map(|building| building.make(&parts)).transpose()?;
         let has_pointers = follow_kernels.has_pointers();
         // The size is checked once there are voxels.
-        let tree = Tree::new(device, (grid, &layout), Room::MINIMUM, has_pointers, None)?;
+        let tree = Tree::new(device, (grid, &layout), Capacity::MINIMUM, has_pointers, None)?;
         let around = (&grid_uniform, &sampler, emitters);
         let globals = bind_globals(device, &globals_layout, &tree, around);
         let missed_globals = BindGroupBuilder::new(follow_kernels.tree_layout())
@@ -182,9 +182,9 @@ impl OctreeVolume {
         self.globals = bind_globals(device, &self.globals_layout, &self.tree, around);
     }
 
-    /// The verdict; its first word is the overflow flags.
+    /// [`TreeNeeds`]; its first word is the overflow flags.
     pub(crate) fn late_word(&self) -> &Buffer {
-        &self.state.verdict
+        &self.state.needs
     }
 
     /// Allows another list, or one with resized buffers, to be bound.
@@ -220,7 +220,7 @@ impl OctreeVolume {
         recorder.stage("volume");
         let ShownList { voxels, radiance, changed, bits } = shown;
         let device = recorder.device().clone();
-        let (kernels, verdict) = (&self.follow_kernels, &self.state.verdict);
+        let (kernels, needs) = (&self.follow_kernels, &self.state.needs);
         if self.scratch.is_none() {
             self.scratch = Some(Scratch::new(&device, &self.grid, &self.tree)?);
             self.following = None;
@@ -231,8 +231,8 @@ impl OctreeVolume {
             let octree = (&self.tree, scratch, &self.state);
             if let Some(builder) = &mut self.builder {
                 let (places, octree, sites) =
-                    (self.tree.room.slots, &self.tree.octree, &self.tree.sites);
-                let tree = TreeToBuild { voxels, places, verdict, octree, sites };
+                    (self.tree.capacity.slots, &self.tree.octree, &self.tree.sites);
+                let tree = TreeToBuild { voxels, places, needs, octree, sites };
                 builder.bind(&device, &tree)?;
             }
             self.following = Some(kernels.bind(&device, grid, (voxels, bits), octree));
@@ -245,14 +245,14 @@ impl OctreeVolume {
                 (&self.grid, globals),
                 (voxels, radiance),
                 changed,
-                (&self.tree, verdict),
+                (&self.tree, needs),
             ));
         }
         let Some(following) = &self.following else { return Ok(()) };
         self.has_list = true;
-        kernels.run(recorder, following, verdict, self.builder.as_deref());
+        kernels.run(recorder, following, needs, self.builder.as_deref());
         self.note_missed(recorder);
-        self.late.record(recorder, &verdict_sources(&self.state, self.builder.as_deref()));
+        self.late.record(recorder, &needs_sources(&self.state, self.builder.as_deref()));
         Ok(())
     }
 
@@ -274,8 +274,8 @@ impl OctreeVolume {
         has_moving: bool,
     ) -> Result<bool, GiError> {
         let Some(words) = self.late.latest(recorder.device()) else { return Ok(false) };
-        let verdict = self.know(&words)?;
-        self.make_room(recorder, verdict, if has_moving { with_spare } else { |count| count })
+        let needs = self.know(&words)?;
+        self.reserve(recorder, needs, if has_moving { with_spare } else { |count| count })
     }
 
     /// Whether it shows an earlier list, by the read-backs that [`Self::grow`] has applied.
@@ -295,44 +295,44 @@ impl OctreeVolume {
         self.stop_following();
     }
 
-    /// Applies a verdict that was read back.
-    fn know(&mut self, words: &[u32]) -> Result<TreeVerdict, GiError> {
-        let (verdict, counters) = words.split_at(size_of::<TreeVerdict>() / 4);
-        let verdict: TreeVerdict = bytemuck::pod_read_unaligned(bytemuck::cast_slice(verdict));
-        if verdict.no_room == 0 {
-            let (groups, bricks) = (verdict.groups, verdict.bricks);
+    /// Applies counts that were read back.
+    fn know(&mut self, words: &[u32]) -> Result<TreeNeeds, GiError> {
+        let (needs, counters) = words.split_at(size_of::<TreeNeeds>() / 4);
+        let needs: TreeNeeds = bytemuck::pod_read_unaligned(bytemuck::cast_slice(needs));
+        if needs.overflow == 0 {
+            let (groups, bricks) = (needs.groups, needs.bricks);
             let counts = match &self.builder {
                 Some(builder) => builder.check(counters, groups)?,
                 None => Vec::new(),
             };
             self.stats = Some(OctreeStats { groups, bricks, counts });
         }
-        Ok(verdict)
+        Ok(needs)
     }
 
-    /// Grows the buffers to what a verdict needs, and some more. What is shown stays. Returns
+    /// Grows the buffers to what is needed, and some more. What is shown stays. Returns
     /// `true` if they have grown.
-    fn make_room(
+    fn reserve(
         &mut self,
         recorder: &mut Recorder<'_>,
-        verdict: TreeVerdict,
+        needs: TreeNeeds,
         spare: fn(u64) -> u64,
     ) -> Result<bool, GiError> {
-        let mut room = self.tree.room;
-        let grown = |bit: u32, room: u64, needed: u32| {
-            let lacks = verdict.no_room & bit != 0 && room < needed.into();
-            if lacks { spare(needed.into()) } else { room }
+        let mut capacity = self.tree.capacity;
+        let grown = |bit: u32, capacity: u64, needed: u32| {
+            let lacks = needs.overflow & bit != 0 && capacity < needed.into();
+            if lacks { spare(needed.into()) } else { capacity }
         };
-        room.slots = 8 * grown(NO_ROOM_FOR_PLACES, room.slots / 8, verdict.groups);
-        room.renewals = grown(NO_ROOM_FOR_RENEWALS, room.renewals, verdict.renewals);
-        room.bricks = grown(NO_ROOM_FOR_BRICKS, room.bricks, verdict.brick_places);
-        if room == self.tree.room {
+        capacity.slots = 8 * grown(OVERFLOW_PLACES, capacity.slots / 8, needs.groups);
+        capacity.renewals = grown(OVERFLOW_RENEWALS, capacity.renewals, needs.renewals);
+        capacity.bricks = grown(OVERFLOW_BRICKS, capacity.bricks, needs.brick_places);
+        if capacity == self.tree.capacity {
             return Ok(false);
         }
         let device = recorder.device().clone();
         let grid = (&self.grid, &self.layout);
         let has_pointers = self.follow_kernels.has_pointers();
-        let tree = Tree::new(&device, grid, room, has_pointers, self.memory_budget)?;
+        let tree = Tree::new(&device, grid, capacity, has_pointers, self.memory_budget)?;
         let scratch = Scratch::new(&device, &self.grid, &tree)?;
         recorder.stage("volume");
         self.resettler.copy(recorder, &self.grid_uniform, (&self.tree, &tree));
@@ -382,8 +382,8 @@ impl OctreeVolume {
 
     /// Whether the last list that was followed has overflowed.
     #[cfg(test)]
-    pub(crate) fn lacks_room_now(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> bool {
-        crate::testing::read::<TreeVerdict>(device, queue, &self.state.verdict, 1)[0].no_room != 0
+    pub(crate) fn overflows_now(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> bool {
+        crate::testing::read::<TreeNeeds>(device, queue, &self.state.needs, 1)[0].overflow != 0
     }
 
     #[cfg(test)]
@@ -415,14 +415,14 @@ fn bind_globals(
         .build(device, "globals")
 }
 
-/// The buffers to read back after a recording: the verdict, and the counters of the caller's
+/// The buffers to read back after a recording: [`TreeNeeds`], and the counters of the caller's
 /// builder.
-fn verdict_sources<'a>(
+fn needs_sources<'a>(
     state: &'a State,
     builder: Option<&'a dyn OctreeBuilder>,
 ) -> Vec<(&'a Buffer, u64, u64)> {
     let counters = builder.and_then(|builder| builder.counters());
     let counters = counters.map(|counters| (counters, 0, counters.size()));
-    let verdict = (&state.verdict, 0, size_of::<TreeVerdict>() as u64);
-    [verdict].into_iter().chain(counters).collect()
+    let needs = (&state.needs, 0, size_of::<TreeNeeds>() as u64);
+    [needs].into_iter().chain(counters).collect()
 }

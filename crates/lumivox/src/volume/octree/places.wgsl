@@ -10,10 +10,10 @@ import package::gpu::dispatch::linear_index;
 import package::grid::grid;
 import package::volume::octree::renewals::{needed_bricks, returned_bricks, Renewal};
 import package::volume::octree::tree::{table_entry, tree};
-import package::volume::octree::verdict::Verdict;
+import package::volume::octree::needs::Needs;
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> run_starts: array<u32>;
 @group(1) @binding(2) var<storage, read_write> renewals: array<Renewal>;
 // The first bricks of free runs: a stack for each length.
@@ -34,7 +34,7 @@ fn stack_start(length: u32) -> u32 {
 }
 
 fn free_before(length: u32) -> u32 {
-    return verdict.free[length / 4u][length % 4u];
+    return needs.free[length / 4u][length % 4u];
 }
 
 // Number of runs of a kind in the workgroups before this one.
@@ -50,7 +50,7 @@ fn take(
     @builtin(local_invocation_index) local: u32,
 ) {
     let index = linear_index(invocation, workgroups);
-    let is_renewed = index < verdict.renewals;
+    let is_renewed = index < needs.renewals;
     var length = 0u;
     if is_renewed {
         length = needed_bricks(renewals[index]);
@@ -77,7 +77,7 @@ fn take(
         renewals[index].first_brick = free_runs[place];
         return;
     }
-    var first = verdict.first_place;
+    var first = needs.first_place;
     for (var i = 1u; i <= CELL_PARTS; i++) {
         first += i * (before[i] - min(before[i], free_before(i)));
     }
@@ -92,7 +92,7 @@ fn give_back(
     @builtin(local_invocation_index) local: u32,
 ) {
     let index = linear_index(invocation, workgroups);
-    let is_renewed = index < verdict.renewals;
+    let is_renewed = index < needs.renewals;
     var length = 0u;
     if is_renewed {
         length = returned_bricks(renewals[index]);
@@ -114,6 +114,6 @@ fn give_back(
         before += select(0u, 1u, lengths[i] == length);
     }
     let free = free_before(length);
-    let left = free - min(free, verdict.needed[length / 4u][length % 4u]);
+    let left = free - min(free, needs.needed[length / 4u][length % 4u]);
     free_runs[stack_start(length) + left + before] = renewal.old_first_brick;
 }

@@ -6,10 +6,10 @@ import package::grid::grid;
 import package::volume::octree::search::find_node;
 import package::volume::octree::sites::Site;
 import package::volume::octree::tree::NONE;
-import package::volume::octree::verdict::Verdict;
+import package::volume::octree::needs::Needs;
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> sites: array<Site>;
 @group(1) @binding(2) var<storage, read_write> nodes_before: array<u32>;
 
@@ -19,7 +19,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let slot = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u || slot >= 8u * verdict.groups {
+    if needs.overflow != 0u || slot >= 8u * needs.groups {
         return;
     }
     let site = sites[slot];

@@ -11,10 +11,10 @@ import package::volume::octree::tree::{
     all_parts, brick_origin, node_word, octant_of, tree, NODE_FIRST_BRICK,
 };
 import package::volume::octree::values::{unpack_value, value_place};
-import package::volume::octree::verdict::Verdict;
+import package::volume::octree::needs::Needs;
 import package::voxels::morton::{morton_decode, morton_encode};
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> renewals: array<Renewal>;
 @group(1) @binding(2) var<storage, read> changed: array<u32>;
 @group(1) @binding(3) var<storage, read> values: array<vec2u>;
@@ -26,7 +26,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let thread = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u || thread / BRICK_TEXELS >= verdict.renewals {
+    if needs.overflow != 0u || thread / BRICK_TEXELS >= needs.renewals {
         return;
     }
     let renewal = renewals[thread / BRICK_TEXELS];

@@ -3,14 +3,14 @@
 import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
 import package::volume::octree::values::{nodes, owner_at, store_value, Owner};
-import package::volume::octree::verdict::Verdict;
+import package::volume::octree::needs::Needs;
 import package::volume::changes::cells::changed_cell;
 import package::volume::changes::list::NOTHING;
 import package::volume::layers::{Layers, height_of, opacity_of, with_layer};
 import package::volume::parts::{part_of, stored_parts, POSITIVE, TILT};
 import package::voxels::list::{Face, faces_in, faces_of};
 
-@group(1) @binding(5) var<uniform> verdict: Verdict;
+@group(1) @binding(5) var<uniform> needs: Needs;
 @group(1) @binding(6) var<storage, read> first_faces: array<u32>;
 @group(1) @binding(7) var<storage, read> faces: array<Face>;
 @group(1) @binding(8) var<storage, read> radiance: array<vec4f>;
@@ -68,7 +68,7 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let voxel = changed_cell(linear_index(invocation, workgroups)).node;
-    if voxel == NOTHING || verdict.no_room != 0u {
+    if voxel == NOTHING || needs.overflow != 0u {
         return;
     }
     let node = nodes[voxel];

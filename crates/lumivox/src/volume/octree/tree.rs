@@ -28,7 +28,7 @@ const RENEWAL_BYTES: u64 = 48;
 
 /// Capacities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Room {
+pub(super) struct Capacity {
     /// Places for nodes, in groups of eight.
     pub slots: u64,
     /// Nodes that can be renewed at once.
@@ -36,7 +36,7 @@ pub(super) struct Room {
     pub bricks: u64,
 }
 
-impl Room {
+impl Capacity {
     /// Minimum capacities.
     pub const MINIMUM: Self = Self { slots: 8, renewals: 1, bricks: 1 };
 
@@ -49,7 +49,7 @@ impl Room {
 /// The octree that is shown.
 #[derive(Debug)]
 pub(super) struct Tree {
-    pub room: Room,
+    pub capacity: Capacity,
     /// [`super::TreeUniform`].
     pub uniform: Buffer,
     /// The table and the nodes.
@@ -84,34 +84,34 @@ impl Tree {
     pub fn new(
         device: &wgpu::Device,
         (grid, layout): (&Grid, &TreeLayout),
-        room: Room,
+        capacity: Capacity,
         has_pointers: bool,
         memory_budget: Option<u64>,
     ) -> Result<Self, GiError> {
-        let texels = AtlasSize::of(room.bricks as u32).texels();
+        let texels = AtlasSize::of(capacity.bricks as u32).texels();
         check_atlas(device, texels, grid)?;
         let remedy = Remedy::Surface(grid.dimensions.max_element());
-        let pointers = if has_pointers { 3 * room.slots } else { 0 };
-        let needed = 2 * 4 * layout.words(room.slots)
-            + room.slots * 8
+        let pointers = if has_pointers { 3 * capacity.slots } else { 0 };
+        let needed = 2 * 4 * layout.words(capacity.slots)
+            + capacity.slots * 8
             + pointers * 4
-            + room.renewals * RENEWAL_BYTES
-            + room.bricks * BRICK_VALUES * TEXEL_BYTES
-            + room.stack_start(MAX_RUN + 1) * 4
+            + capacity.renewals * RENEWAL_BYTES
+            + capacity.bricks * BRICK_VALUES * TEXEL_BYTES
+            + capacity.stack_start(MAX_RUN + 1) * 4
             + texels.as_u64vec3().element_product() * TEXEL_BYTES;
         budget::check("the octree with its bricks", needed, memory_budget, grid, GROWTH)?;
         let memory = Memory::new(device);
         let nodes_before = has_pointers
             .then(|| memory.buffer("octree: nodes before", pointers, 4, remedy))
             .transpose()?;
-        let uniform = layout.uniform(room.slots as u32, room.bricks as u32);
-        let runs = room.stack_start(MAX_RUN + 1);
-        let values = room.bricks * BRICK_VALUES;
+        let uniform = layout.uniform(capacity.slots as u32, capacity.bricks as u32);
+        let runs = capacity.stack_start(MAX_RUN + 1);
+        let values = capacity.bricks * BRICK_VALUES;
         Ok(Self {
-            room,
+            capacity,
             uniform: uniform_buffer(device, "octree", &uniform),
-            octree: memory.buffer("octree: nodes", layout.words(room.slots), 4, remedy)?,
-            sites: memory.buffer("octree: sites", room.slots, 8, remedy)?,
+            octree: memory.buffer("octree: nodes", layout.words(capacity.slots), 4, remedy)?,
+            sites: memory.buffer("octree: sites", capacity.slots, 8, remedy)?,
             free_runs: memory.buffer("octree: free bricks", runs, 4, remedy)?,
             values: memory.buffer("octree: values", values, TEXEL_BYTES, remedy)?,
             nodes_before,
@@ -135,8 +135,8 @@ impl Scratch {
     pub fn new(device: &wgpu::Device, grid: &Grid, tree: &Tree) -> Result<Self, GiError> {
         let remedy = Remedy::Surface(grid.dimensions.max_element());
         let memory = Memory::new(device);
-        let blocks = tree.room.renewals.div_ceil(u64::from(crate::gpu::LINEAR_WORKGROUP_SIZE));
-        let renewals = tree.room.renewals;
+        let blocks = tree.capacity.renewals.div_ceil(u64::from(crate::gpu::LINEAR_WORKGROUP_SIZE));
+        let renewals = tree.capacity.renewals;
         Ok(Self {
             old_octree: memory.buffer("octree: nodes", tree.octree.size() / 4, 4, remedy)?,
             renewals: memory.buffer("octree: renewals", renewals, RENEWAL_BYTES, remedy)?,
@@ -242,14 +242,14 @@ impl Resettler {
             recorder.copy((from, 0), (to, 0), from.size());
         }
         for length in 1..=MAX_RUN {
-            let [from, to] = [old, new].map(|tree| tree.room.stack_start(length) * 4);
-            let bytes = old.room.bricks / length * 4;
+            let [from, to] = [old, new].map(|tree| tree.capacity.stack_start(length) * 4);
+            let bytes = old.capacity.bricks / length * 4;
             if bytes > 0 {
                 recorder.copy((&old.free_runs, from), (&new.free_runs, to), bytes);
             }
         }
         let device = recorder.device().clone();
-        let bricks = old.room.bricks as u32;
+        let bricks = old.capacity.bricks as u32;
         let params = OldAtlas { bricks, row_bits: AtlasSize::of(bricks).row_bits };
         let params = uniform_buffer(&device, "old atlas", &params);
         let globals = BindGroupBuilder::new(&self.tree_layout)
@@ -264,7 +264,7 @@ impl Resettler {
         self.kernel.run_linear(
             recorder,
             &[&globals, &group],
-            old.room.bricks * u64::from(BRICK_TEXELS),
+            old.capacity.bricks * u64::from(BRICK_TEXELS),
         );
     }
 }

@@ -40,10 +40,10 @@ pub(crate) fn read_nodes(
 ) -> BTreeMap<NodeAt, ReadNode> {
     let (tree, layout) = tree(gi);
     let words: Vec<u32> = read(device, queue, &tree.octree, (tree.octree.size() / 4) as usize);
-    let sites: Vec<[u32; 2]> = read(device, queue, &tree.sites, tree.room.slots as usize);
+    let sites: Vec<[u32; 2]> = read(device, queue, &tree.sites, tree.capacity.slots as usize);
     let texels: Vec<[u16; 4]> = read_level(device, queue, tree.atlas.texture(), 0);
-    let size = AtlasSize::of(tree.room.bricks as u32);
-    let tree: TreeUniform = layout.uniform(tree.room.slots as u32, tree.room.bricks as u32);
+    let size = AtlasSize::of(tree.capacity.bricks as u32);
+    let tree: TreeUniform = layout.uniform(tree.capacity.slots as u32, tree.capacity.bricks as u32);
     let brick = |number: u32| -> Brick {
         let row = (1 << size.row_bits) - 1;
         let origin = 3 * UVec3::new(

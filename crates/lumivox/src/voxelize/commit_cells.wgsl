@@ -3,9 +3,9 @@
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
-import package::voxelize::verdict::Verdict;
+import package::voxelize::needs::Needs;
 
-@group(1) @binding(0) var<uniform> verdict: Verdict;
+@group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> new_occupancy: array<u32>;
 @group(1) @binding(2) var<storage, read> new_ranks: array<u32>;
 // The voxels of the finest level that dynamic surface touches, now and in the list so far.
@@ -21,7 +21,7 @@ fn cells(
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
     let word = linear_index(invocation, workgroups);
-    if verdict.no_room != 0u || word > arrayLength(&occupancy) {
+    if needs.overflow != 0u || word > arrayLength(&occupancy) {
         return;
     }
     // The total follows the ranks.

@@ -4,12 +4,12 @@
 // no harm, since nothing of this voxelization is committed then.
 
 import package::constants::{COUNT_BLOCK_WORDS, LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS,
-    NO_ROOM_FOR_FACES, NO_ROOM_FOR_NODES, NO_ROOM_FOR_SUMS, NO_ROOM_FOR_VOXELS};
+    OVERFLOW_FACES, OVERFLOW_NODES, OVERFLOW_SUMS, OVERFLOW_VOXELS};
 import package::grid::grid;
 import package::voxels::lookup::level_first_word;
 
 // Capacities.
-struct Room {
+struct Capacity {
     voxels: u32,
     sums: u32,
     nodes: u32,
@@ -21,9 +21,9 @@ struct Room {
     padding_2: u32,
 }
 
-struct Verdict {
-    // Bits NO_ROOM_FOR_*; zero: the list is committed.
-    no_room: u32,
+struct Needs {
+    // Bits OVERFLOW_*; zero: the list is committed.
+    overflow: u32,
     // Voxels that dynamic surface touches, and the number of their faces, including those of static
     // surface.
     moving_voxels: u32,
@@ -36,13 +36,13 @@ struct Verdict {
     padding_2: u32,
 }
 
-@group(1) @binding(0) var<uniform> room: Room;
+@group(1) @binding(0) var<uniform> capacity: Capacity;
 @group(1) @binding(1) var<storage, read> list_ranks: array<u32>;
 // Ranks of the dynamic share; the last one is the number of its voxels.
 @group(1) @binding(2) var<storage, read> moving_ranks: array<u32>;
 @group(1) @binding(3) var<storage, read> own_faces: array<u32>;
 @group(1) @binding(4) var<storage, read> united_faces: array<u32>;
-@group(1) @binding(5) var<storage, read_write> verdict: Verdict;
+@group(1) @binding(5) var<storage, read_write> needs: Needs;
 @group(1) @binding(6) var<storage, read_write> counts: array<u32>;
 
 fn put_groups(first: u32, threads: u32) {
@@ -57,25 +57,26 @@ fn put_groups(first: u32, threads: u32) {
 fn main() {
     let voxels = moving_ranks[arrayLength(&moving_ranks) - 1u];
     let nodes = list_ranks[level_first_word(grid.levels)];
-    var now: Verdict;
+    var now: Needs;
     now.moving_voxels = voxels;
     now.nodes = nodes;
-    if voxels > room.voxels {
+    if voxels > capacity.voxels {
         // The numbers of their faces are not known.
-        now.no_room |= NO_ROOM_FOR_VOXELS;
+        now.overflow |= OVERFLOW_VOXELS;
     } else {
         now.moving_faces = united_faces[voxels];
         now.sums = own_faces[voxels];
-        now.no_room |= select(0u, NO_ROOM_FOR_SUMS, now.sums > room.sums);
-        now.no_room |= select(0u, NO_ROOM_FOR_FACES, room.fixed_faces + now.moving_faces > room.faces);
+        now.overflow |= select(0u, OVERFLOW_SUMS, now.sums > capacity.sums);
+        let faces = capacity.fixed_faces + now.moving_faces;
+        now.overflow |= select(0u, OVERFLOW_FACES, faces > capacity.faces);
     }
-    now.no_room |= select(0u, NO_ROOM_FOR_NODES, nodes > room.nodes);
-    verdict = now;
-    if now.no_room != 0u {
+    now.overflow |= select(0u, OVERFLOW_NODES, nodes > capacity.nodes);
+    needs = now;
+    if now.overflow != 0u {
         return;
     }
-    counts[0] = room.fixed_faces;
-    counts[1] = room.fixed_faces + now.moving_faces;
+    counts[0] = capacity.fixed_faces;
+    counts[1] = capacity.fixed_faces + now.moving_faces;
     counts[2] = nodes;
     counts[3] = voxels;
     put_groups(4u, counts[1]);

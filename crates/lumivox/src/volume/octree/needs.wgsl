@@ -5,16 +5,16 @@
 // grown.
 
 import package::constants::{
-    CELL_PARTS, LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS, NO_ROOM_FOR_BRICKS, NO_ROOM_FOR_PLACES,
-    NO_ROOM_FOR_RENEWALS, RUN_KINDS,
+    CELL_PARTS, LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS, OVERFLOW_BRICKS, OVERFLOW_PLACES,
+    OVERFLOW_RENEWALS, RUN_KINDS,
 };
 import package::volume::octree::renewals::Renewal;
 import package::volume::octree::tree::tree;
 
 // Arrays are indexed by the length of a run, 1 to 9; element 0 is not used.
-struct Verdict {
-    // Bits NO_ROOM_FOR_*; zero: everything fits.
-    no_room: u32,
+struct Needs {
+    // Bits OVERFLOW_*; zero: everything fits.
+    overflow: u32,
     // Needed groups of nodes, including the root's.
     groups: u32,
     renewals: u32,
@@ -54,7 +54,7 @@ struct Places {
 @group(1) @binding(2) var<storage, read> renewals: array<Renewal>;
 @group(1) @binding(3) var<storage, read> run_starts: array<u32>;
 @group(1) @binding(4) var<storage, read_write> places: Places;
-@group(1) @binding(5) var<storage, read_write> verdict: Verdict;
+@group(1) @binding(5) var<storage, read_write> needs: Needs;
 
 fn groups_of(threads: u32) -> vec3u {
     let needed = (threads + LINEAR_WORKGROUP_SIZE - 1u) / LINEAR_WORKGROUP_SIZE;
@@ -64,11 +64,11 @@ fn groups_of(threads: u32) -> vec3u {
 
 @compute @workgroup_size(1)
 fn main() {
-    var now: Verdict;
+    var now: Needs;
     now.groups = 1u + group_ranks[tree.levels[tree.root_level].x];
     now.renewals = renewed_ranks[arrayLength(&renewed_ranks) - 1u];
-    now.no_room |= select(0u, NO_ROOM_FOR_PLACES, 8u * now.groups > tree.slots);
-    now.no_room |= select(0u, NO_ROOM_FOR_RENEWALS, now.renewals > arrayLength(&renewals));
+    now.overflow |= select(0u, OVERFLOW_PLACES, 8u * now.groups > tree.slots);
+    now.overflow |= select(0u, OVERFLOW_RENEWALS, now.renewals > arrayLength(&renewals));
     now.first_place = places.first_place;
     now.brick_places = places.first_place;
     let blocks = (arrayLength(&run_starts) - 1u) / RUN_KINDS;
@@ -86,8 +86,8 @@ fn main() {
         idle += length * free[length];
     }
     now.bricks = now.brick_places - idle;
-    now.no_room |= select(0u, NO_ROOM_FOR_BRICKS, now.brick_places > tree.bricks);
-    if now.no_room == 0u {
+    now.overflow |= select(0u, OVERFLOW_BRICKS, now.brick_places > tree.bricks);
+    if now.overflow == 0u {
         places.first_place = now.brick_places;
         places.free = free;
         now.node_groups = groups_of(8u * now.groups);
@@ -95,5 +95,5 @@ fn main() {
         now.cell_groups = groups_of(8u * now.renewals);
         now.texel_groups = groups_of(27u * now.renewals);
     }
-    verdict = now;
+    needs = now;
 }
