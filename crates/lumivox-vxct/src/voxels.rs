@@ -2,9 +2,10 @@
 
 use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan};
 use lumivox::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kept, Kernel, LayoutBuilder, Pipelines, Recorder,
-    ShaderError, ShaderLibrary, Texture, TextureView, storage_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary, Texture, TextureView, storage_buffer,
 };
+use lumivox::internal::Kept;
 
 use super::LAST_LEVEL;
 use super::passes::Layouts;

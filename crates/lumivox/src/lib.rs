@@ -25,6 +25,8 @@ mod gloss;
 pub mod gpu;
 mod grid;
 pub mod hooks;
+#[doc(hidden)]
+pub mod internal;
 #[cfg(test)]
 mod layouts_test;
 mod light;

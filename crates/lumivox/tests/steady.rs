@@ -5,7 +5,8 @@
 mod common;
 
 use glam::{Mat4, Vec3};
-use lumivox::gpu::{MadeResources, Recorder, Timing, storage_buffer, waits};
+use lumivox::gpu::{MadeResources, Recorder, Timing, storage_buffer};
+use lumivox::internal::waits;
 use lumivox::{
     Draw, Frame, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, OctreeOptions,
     Shadow, SurfaceMaterial, TraceSettings, VolumeKind,

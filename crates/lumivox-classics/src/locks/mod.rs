@@ -12,10 +12,11 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use lumivox::gpu::{
-    BindGroup, BindGroupBuilder, BoundIndirect, Buffer, Indirect, Kernel, LayoutBuilder, Memory,
-    Recorder, Remedy, Run, ShaderLibrary, storage_buffer, uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Recorder, ShaderLibrary,
+    storage_buffer, uniform_buffer,
 };
 use lumivox::hooks::{OctreeBuilder, OctreeBuilding, OctreeParts, TreeToBuild};
+use lumivox::internal::{BoundIndirect, Indirect, Memory, Remedy, Run};
 use lumivox::{GiError, Grid};
 
 use crate::with_modules;

@@ -9,8 +9,9 @@
 //! drawn into it.
 
 use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
-use lumivox::gpu::{Kept, Pipelines, Recorder, ShaderError, ShaderLibrary, Texture, TextureView};
+use lumivox::gpu::{Pipelines, Recorder, ShaderError, ShaderLibrary, Texture, TextureView};
 use lumivox::hooks::{Voxelization, VoxelizationShares, Walk, WalkStep, Walker};
+use lumivox::internal::Kept;
 use lumivox::{GiError, Grid};
 
 use crate::with_modules;

@@ -217,7 +217,7 @@ impl Gpu {
         #[cfg(not(target_arch = "wasm32"))]
         self.wait(doing)?;
         #[cfg(target_arch = "wasm32")]
-        lumivox::gpu::submitted_work_done(&self.queue).await;
+        lumivox::internal::submitted_work_done(&self.queue).await;
         self.check(doing)
     }
 
@@ -228,7 +228,7 @@ impl Gpu {
     /// [`RenderError::Device`] when the device is lost.
     pub fn wait(&self, doing: &'static str) -> Result<(), RenderError> {
         #[cfg(not(target_arch = "wasm32"))]
-        lumivox::gpu::note_wait();
+        lumivox::internal::note_wait();
         #[cfg(not(target_arch = "wasm32"))]
         self.device
             .poll(wgpu::PollType::wait_indefinitely())

@@ -164,7 +164,7 @@ mod tests {
         let is_kept = gpu.device.features().contains(wgpu::Features::PIPELINE_CACHE);
         let compile = |gpu: &crate::Gpu| {
             let shaders = lumivox::shaders::library();
-            lumivox::gpu::Scan::new(&gpu.pipelines, &shaders).expect("it links");
+            lumivox::internal::Scan::new(&gpu.pipelines, &shaders).expect("it links");
             pollster::block_on(gpu.pipelines.compile(&mut |_, _| {}));
         };
         compile(&gpu);

@@ -189,8 +189,8 @@ impl Renderer {
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
         progress(RenderProgress { stage: "upload", done: 1, total: 1 });
-        if self.settings.follows() {
-            self.follow_surfaces();
+        if self.settings.updates_by_frame() {
+            self.surfaces_moved();
             return Ok(());
         }
         self.make_pose(progress).await
@@ -273,7 +273,7 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         let lighting = Lighting::of(scene);
         let (unit, bounds) = (self.scene.radiance_unit, self.grid_bounds);
-        let is_suited = if self.settings.follows() {
+        let is_suited = if self.settings.updates_by_frame() {
             // Tolerates a lamp that is switched off: it may be switched on again.
             suits(unit, bounds, scene, &lighting)
         } else {
@@ -283,8 +283,8 @@ impl Renderer {
             return self.set_materials(scene, progress).await;
         }
         self.take_lighting(scene)?;
-        if self.settings.follows() {
-            self.follow_lights();
+        if self.settings.updates_by_frame() {
+            self.lights_changed();
             return Ok(());
         }
         self.relight(progress).await?;
@@ -316,7 +316,7 @@ impl Renderer {
 
     /// Whether objects have moved but their voxels have not ([`Self::place`]).
     pub fn has_stale_voxels(&self) -> bool {
-        self.voxels_are_stale && !self.following.surfaces
+        self.voxels_are_stale && !self.updates.surfaces
     }
 
     /// Lights the voxels again with another number of bounces; the mean starts again.
@@ -454,7 +454,7 @@ impl Renderer {
     pub(super) fn store_voxels(&mut self, voxelized: Voxelized) {
         self.voxels = voxelized.stats;
         self.voxels_are_stale = false;
-        (self.following.surfaces, self.following.is_pending) = (false, false);
+        (self.updates.surfaces, self.updates.is_pending) = (false, false);
         self.times.add(voxelized.times);
     }
 
@@ -474,7 +474,7 @@ impl Renderer {
             recorder.stage("light");
             gi.light(&mut recorder, &self.lights, settings.voxel_bounces(), &settings.trace)?;
         }
-        self.following.goes_on = false;
+        self.updates.goes_on = false;
         self.times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
         progress(RenderProgress { stage: "light", done: 1, total: 1 });

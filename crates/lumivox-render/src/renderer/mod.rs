@@ -5,13 +5,13 @@ mod change;
 pub(crate) mod estimate;
 mod faces;
 mod figures;
-mod moving;
 mod overlay;
 mod passes;
 mod photometry;
 mod prepare;
 mod samples;
 mod screen;
+mod updates;
 
 use std::ops::ControlFlow;
 
@@ -30,12 +30,12 @@ use crate::scene::{GpuScene, Lighting, radiance_unit_within};
 use crate::{Gpu, Picture, RenderError, RenderSettings, View};
 pub use faces::VoxelFace;
 pub use figures::TraceFigures;
-use moving::Following;
 use passes::Passes;
 pub use photometry::Photometry;
 pub use prepare::global_illumination;
-use prepare::{bind_lights, compile, environment_map, upload, validate, validate_level, voxelize};
+use prepare::{compile, environment_map, upload, validate, validate_level, voxelize};
 use samples::camera_view;
+use updates::Updates;
 
 /// The progress of rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +72,7 @@ pub struct Renderer {
     mapped_grid: Grid,
     voxels: VoxelizeStats,
     voxels_are_stale: bool,
-    following: Following,
+    updates: Updates,
     passes: Passes,
     targets: Targets,
     /// The parts of the scene for looks.
@@ -156,35 +156,11 @@ impl Renderer {
         gpu.check("voxelizing")?;
         progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });
 
-        progress(RenderProgress { stage: "light", done: 0, total: 1 });
-        let mut recorder = Recorder::with_timing(&gpu.device, &gpu.queue, settings.timing);
         let map = environment_map(gpu, &lighting)?;
-        let (lights, near_shadows, shadow_bytes) = bind_lights(
-            gpu,
-            &mut recorder,
-            passes.shadows.as_ref(),
-            &scene,
-            (&lighting, map.as_ref()),
-            &gi,
-            &settings,
-        );
-        if settings.timing != Timing::Off && settings.shown_look().is_none() {
-            // Drivers compile a kernel at its first use, which must not count towards a stage's
-            // time.
-            let mut first_use = Recorder::new(&gpu.device, &gpu.queue);
-            gi.light(&mut first_use, &lights, settings.voxel_bounces().min(2), &settings.trace)?;
-            first_use.submit();
-            gi.forget_light();
-        }
-        if settings.shown_look().is_none() {
-            recorder.stage("light");
-            gi.light(&mut recorder, &lights, settings.voxel_bounces(), &settings.trace)?;
-        }
-        times.add(recorder.finish().await?);
-        gpu.wait("lighting the voxels")?;
-        progress(RenderProgress { stage: "light", done: 1, total: 1 });
-
-        Ok(Self {
+        // `relight` binds the scene's own.
+        let lights = gi.bind_lights(&[], glam::Vec3::ZERO, None);
+        let near_shadows = NearShadows::new(gpu, &lights);
+        let mut renderer = Self {
             gpu: gpu.clone(),
             settings,
             camera,
@@ -200,17 +176,35 @@ impl Renderer {
             mapped_grid: grid,
             voxels: voxelized.stats,
             voxels_are_stale: false,
-            following: Following::default(),
+            updates: Updates::default(),
             passes,
             targets,
             look_scene,
             look,
             environment: map,
-            shadow_bytes,
+            shadow_bytes: 0,
             times,
             samples_drawn: 0,
             restarts: 0,
-        })
+        };
+        if renderer.settings.timing != Timing::Off {
+            renderer.use_kernels_of_light()?;
+        }
+        renderer.relight(progress).await?;
+        Ok(renderer)
+    }
+
+    /// Runs the kernels of light once: drivers compile a kernel at its first use, which must not
+    /// count towards a stage's time.
+    fn use_kernels_of_light(&mut self) -> Result<(), RenderError> {
+        let Self { gpu, gi, lights, settings, .. } = self;
+        if settings.shown_look().is_none() {
+            let mut recorder = Recorder::new(&gpu.device, &gpu.queue);
+            gi.light(&mut recorder, lights, settings.voxel_bounces().min(2), &settings.trace)?;
+            recorder.submit();
+            gi.forget_light();
+        }
+        Ok(())
     }
 
     /// Renders the frames that the settings ask for and that are missing, and finishes the picture.
@@ -283,10 +277,10 @@ impl Renderer {
 
     /// Renders a frame; `is_kept` adds it to the mean.
     async fn draw_frame(&mut self, is_kept: bool) -> Result<FrameStatus, RenderError> {
-        self.follow_camera().await?;
+        self.move_with_camera().await?;
         self.prepare_view().await?;
         let mut recorder = self.recorder();
-        self.follow(&mut recorder)?;
+        self.record_updates(&mut recorder)?;
         let samples = if is_kept { self.take_samples() } else { 1 };
         self.record_frame(&mut recorder, is_kept, samples)?;
         let mut times = recorder.finish().await?;
@@ -307,7 +301,7 @@ impl Renderer {
         let frame = self.frame_count();
         let sample = self.first_sample(frame);
         let jitter = self.first_in_pixel(sample);
-        let is_relit = self.following.is_settling;
+        let is_relit = self.updates.is_settling;
         let Self { settings, camera, scene, gi, lights, near_shadows, passes, targets, .. } = self;
         let mut is_traced = false;
         // Blended frames are counted over all pictures: they must not repeat each other.

@@ -50,7 +50,12 @@ pub(super) async fn compile(
 ) -> Result<(), RenderError> {
     let mut report = |done, total| progress(RenderProgress { stage: "compile", done, total });
     let cones = u32::from(settings.view.needs_cones(settings.bounces));
-    gi.prepare(geometry, settings.bounces.max(cones), settings.follows(), &settings.trace)?;
+    gi.prepare(
+        geometry,
+        settings.bounces.max(cones),
+        settings.updates_by_frame(),
+        &settings.trace,
+    )?;
     gpu.pipelines.compile(&mut report).await;
     gpu.save_pipelines();
     gpu.check("compiling pipelines")

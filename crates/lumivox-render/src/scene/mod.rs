@@ -17,7 +17,8 @@ use std::mem::offset_of;
 
 use bytemuck::Zeroable as _;
 use glam::Vec3;
-use lumivox::gpu::{Buffer, ShaderLibrary, filled_buffer};
+use lumivox::gpu::{Buffer, ShaderLibrary};
+use lumivox::internal::filled_buffer;
 use lumivox::{Draw, Geometry, GeometryBatch, VertexAttributes};
 use lumivox_scene::{Bounds, InstanceBounds, Scene};
 

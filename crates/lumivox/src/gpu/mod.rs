@@ -2,41 +2,37 @@
 //! sums, recording with timings.
 
 mod bindings;
-mod buffers;
+pub(crate) mod buffers;
 mod held;
-mod indirect;
+pub(crate) mod indirect;
 mod kernel;
 mod late;
-mod memory;
+pub(crate) mod memory;
 mod modules;
 mod open;
 mod passes;
 pub mod pipelines;
 mod recorder;
-mod resources;
-mod scan;
+pub(crate) mod resources;
+pub(crate) mod scan;
 mod slots;
 
 pub use bindings::{BindGroupBuilder, LayoutBuilder};
 pub(crate) use buffers::{Staged, counted_buffer};
-pub use buffers::{
-    filled_buffer, read_buffer, storage_buffer, submitted_work_done, uniform_buffer, upload,
-};
-pub use indirect::{BoundIndirect, Indirect, Run};
+pub use buffers::{read_buffer, storage_buffer, uniform_buffer, upload};
+pub(crate) use indirect::{BoundIndirect, Indirect, Run};
 pub use kernel::{Kernel, LINEAR_WORKGROUP_SIZE};
 pub(crate) use late::{LastRead, LateReads, OverflowReads, Overflowed};
 pub use lumivox_wgsl::{ShaderError, ShaderLibrary};
-pub use memory::{Memory, Remedy};
+pub(crate) use memory::{Memory, Remedy};
 pub(crate) use modules::{MODULES, implementation};
 pub use open::open_device;
 pub use passes::{ComputePass, RenderPass};
 pub use pipelines::Pipelines;
 pub use recorder::{Recorder, StageTime, Timing};
-pub use resources::{
-    BindGroup, Buffer, BufferHandle, Kept, LiveResources, MadeResources, Texture, TextureView,
-    ViewHandle, note_wait, waits,
-};
-pub use scan::{BoundScan, Scan};
+pub use resources::{BindGroup, Buffer, LiveResources, MadeResources, Texture, TextureView};
+pub(crate) use resources::{BufferHandle, Kept, ViewHandle, note_wait};
+pub(crate) use scan::{BoundScan, Scan};
 pub(crate) use slots::{Slot, Slots};
 
 /// Defines the constants that Rust and the shaders of this folder share, and those of number

@@ -1,6 +1,7 @@
 //! The prefix sum against a plain loop.
 
-use lumivox::gpu::{Recorder, Scan, read_buffer, upload};
+use lumivox::gpu::{Recorder, read_buffer, upload};
+use lumivox::internal::Scan;
 
 #[test]
 fn scan_equals_a_loop() {

@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use lumivox::gpu::{MadeResources, waits};
+use lumivox::gpu::MadeResources;
+use lumivox::internal::waits;
 use lumivox_console::Failure;
 use lumivox_explorer::{Explorer, PreparedScene};
 use lumivox_render::compare::LinearPicture;

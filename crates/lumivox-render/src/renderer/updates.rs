@@ -20,7 +20,7 @@ const UPLOADED_BYTES: u64 = 4 << 20;
 /// Changes that the next frames have to process.
 #[allow(clippy::struct_excessive_bools, reason = "independent facts about one frame")]
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Following {
+pub(super) struct Updates {
     /// Surfaces have moved, and their voxels are not recorded, or late.
     pub(super) surfaces: bool,
     /// Whether it is still unknown if the voxels of the last move fitted into their buffers.
@@ -54,7 +54,7 @@ impl Renderer {
         moved: &[usize],
     ) -> Result<FrameStatus, RenderError> {
         self.take_moved(scene, moved)?;
-        self.follow_surfaces();
+        self.surfaces_moved();
         self.draw_frame(true).await
     }
 
@@ -94,13 +94,13 @@ impl Renderer {
         &mut self,
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        let Following { lights, goes_on, .. } = self.following;
+        let Updates { lights, goes_on, .. } = self.updates;
         if self.gi.center_on(self.camera.position)? || self.are_voxels_late() {
             self.make_pose(progress).await?;
         } else if lights || goes_on {
             self.relight(progress).await?;
         }
-        self.following = Following::default();
+        self.updates = Updates::default();
         self.targets.forget();
         self.scene.motion.settle(self.targets.gbuffer_textures.motion.is_some());
         self.start_like_new();
@@ -114,15 +114,15 @@ impl Renderer {
     }
 
     /// Updates surfaces and their shadows in the next frame.
-    pub(super) fn follow_surfaces(&mut self) {
-        self.following.surfaces = true;
-        self.follow_lights();
+    pub(super) fn surfaces_moved(&mut self) {
+        self.updates.surfaces = true;
+        self.lights_changed();
     }
 
     /// Whether voxels still lag behind moved objects. Whether the last move fitted into the buffers
     /// is only known once the GPU has finished it; this waits for the GPU, except in browsers.
     pub(super) fn are_voxels_late(&self) -> bool {
-        let Following { surfaces, is_pending, .. } = self.following;
+        let Updates { surfaces, is_pending, .. } = self.updates;
         if surfaces || !is_pending {
             return surfaces;
         }
@@ -132,7 +132,7 @@ impl Renderer {
                 return status.is_late;
             }
             // Another call reports the lost device.
-            if self.gpu.wait("following what has moved").is_err() {
+            if self.gpu.wait("updating what has moved").is_err() {
                 return false;
             }
             // Another thread that polls the device may be about to deliver the result.
@@ -141,25 +141,25 @@ impl Renderer {
     }
 
     /// Updates the lights in the next frame.
-    pub(super) fn follow_lights(&mut self) {
-        self.following.lights = true;
+    pub(super) fn lights_changed(&mut self) {
+        self.updates.lights = true;
         self.targets.accumulate.reset();
     }
 
     /// Moves cascades with the camera, and streams vertices: over the next frames, or at once if
     /// the settings do not update frame by frame. If no surface is left in the grid, the old voxels
     /// are kept.
-    pub(super) async fn follow_camera(&mut self) -> Result<(), RenderError> {
-        let follows = self.settings.follows();
+    pub(super) async fn move_with_camera(&mut self) -> Result<(), RenderError> {
+        let follows = self.settings.updates_by_frame();
         let most_bytes = if follows { UPLOADED_BYTES } else { u64::MAX };
         let has_streamed = self.scene.stream(&self.gpu, self.camera.position, most_bytes);
         if !self.gi.center_on(self.camera.position)? && !has_streamed {
             return Ok(());
         }
         if follows {
-            self.following.surfaces = true;
+            self.updates.surfaces = true;
             // Geometry that comes or goes changes the shadow maps.
-            self.following.lights |= has_streamed;
+            self.updates.lights |= has_streamed;
             return Ok(());
         }
         match self.gi.voxelize(&self.scene.geometry, self.settings.timing).await {
@@ -178,26 +178,29 @@ impl Renderer {
     }
 
     /// Records the pending updates before the passes of the frame.
-    pub(super) fn follow(&mut self, recorder: &mut Recorder<'_>) -> Result<(), RenderError> {
-        self.following.is_settling &= self.settings.follows();
+    pub(super) fn record_updates(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+    ) -> Result<(), RenderError> {
+        self.updates.is_settling &= self.settings.updates_by_frame();
         // Shadow maps around cascades move with them.
-        self.following.lights |= self.has_fine_maps() && self.mapped_grid != *self.gi.grid();
-        let Following { is_pending, lights, is_settling, .. } = self.following;
-        let surfaces = self.following.surfaces || is_pending;
+        self.updates.lights |= self.has_fine_maps() && self.mapped_grid != *self.gi.grid();
+        let Updates { is_pending, lights, is_settling, .. } = self.updates;
+        let surfaces = self.updates.surfaces || is_pending;
         if lights {
             self.bind_lights(recorder);
             if let Some(look) = &mut self.look {
                 look.relight();
             }
         }
-        let follows = self.settings.follows();
+        let follows = self.settings.updates_by_frame();
         if is_settling {
             // Light that is still changing must not enter the mean.
             self.targets.accumulate.reset();
         }
         if surfaces || lights || follows {
             // A move whose voxels had room needs no more light.
-            let is_changing = self.following.surfaces || lights || self.gi.status().is_late;
+            let is_changing = self.updates.surfaces || lights || self.gi.status().is_late;
             let is_lit = (is_changing || follows) && self.settings.shown_look().is_none();
             let frame = Frame {
                 geometry: surfaces.then_some(&self.scene.geometry),
@@ -205,12 +208,12 @@ impl Renderer {
                 ..Frame::new(&self.scene.geometry, &self.lights, &self.settings.trace)
             };
             let status = self.gi.frame(recorder, frame)?;
-            self.following = Following {
+            self.updates = Updates {
                 surfaces: surfaces && status.is_late,
                 is_pending: surfaces && status.is_pending,
                 lights: false,
                 is_settling: follows && (status.is_late || status.frames_left > 0),
-                goes_on: self.following.goes_on || is_lit,
+                goes_on: self.updates.goes_on || is_lit,
             };
             if surfaces {
                 self.voxels_are_stale = status.is_late || status.is_refused;
@@ -222,7 +225,7 @@ impl Renderer {
 
 impl RenderSettings {
     /// Whether voxels and light are updated frame by frame, instead of at once.
-    pub(crate) fn follows(&self) -> bool {
+    pub(crate) fn updates_by_frame(&self) -> bool {
         self.trace.temporal && self.voxel_bounces() >= MANY_BOUNCES && self.shown_look().is_none()
     }
 }
