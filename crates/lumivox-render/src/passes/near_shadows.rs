@@ -13,7 +13,7 @@ use lumivox::gpu::{Buffer, Recorder, Texture, TextureView, upload};
 use lumivox::{Lights, ShadowLayer};
 use lumivox_scene::ShadowMapFineness;
 
-use super::shadow_layers::{ParallelSight, parallel_direction};
+use super::shadow_layers::ParallelSight;
 use super::shadow_maps::{ShadowMapPass, depth_array, view_of_all};
 use crate::Gpu;
 use crate::scene::GpuScene;
@@ -61,7 +61,7 @@ impl NearShadows {
     /// Allocates the squares of parallel lights that have shadow maps. Nothing is drawn yet.
     pub(crate) fn new(gpu: &Gpu, lights: &Lights) -> Self {
         let suns =
-            lights.mapped.iter().filter_map(|l| Some((l.index, parallel_direction(&l.source)?)));
+            lights.mapped.iter().filter_map(|l| Some((l.index, l.source.parallel_direction()?)));
         let suns: Vec<_> = suns.take(MOST_SUNS).collect();
         // If memory is short, the maps are coarser.
         let mut resolution = lights.map_size[0].max(1);

@@ -98,7 +98,8 @@ fn assign_layers(
     let most = most_layers(resolution);
     let needed = |light: &Light| layers_of(&light.source, bounds, resolution);
     let mut room = most.saturating_sub(lights.iter().map(|light| needed(light).len()).sum());
-    let mut suns_left = lights.iter().filter(|light| is_parallel(&light.source)).count();
+    let mut suns_left =
+        lights.iter().filter(|light| light.source.parallel_direction().is_some()).count();
     let mut layers: Vec<ShadowLayer> = Vec::new();
     let mut left_out = 0;
     for light in lights {
@@ -113,7 +114,7 @@ fn assign_layers(
         let finer = finer_layers(&light.source, bounds, fine_boxes, resolution);
         // The suns left share the remaining layers.
         let fits = finer.len().min(room / suns_left.max(1));
-        suns_left -= usize::from(is_parallel(&light.source));
+        suns_left -= usize::from(light.source.parallel_direction().is_some());
         room -= fits;
         for layer in &finer[finer.len() - fits..] {
             if let Some(wider) = layers.last_mut() {
@@ -169,7 +170,7 @@ fn finer_layers(
     boxes: &[Bounds],
     resolution: u32,
 ) -> Vec<ShadowLayer> {
-    let Some(direction) = parallel_direction(source) else { return Vec::new() };
+    let Some(direction) = source.parallel_direction() else { return Vec::new() };
     let sight = ParallelSight::new(direction, bounds);
     let layer = |own: &Bounds| {
         let middle = sight.view.transform_point3(own.center()).truncate();
@@ -179,20 +180,6 @@ fn finer_layers(
         square(texel_m * (middle / texel_m).round())
     };
     sight.smaller(boxes).map(layer).collect()
-}
-
-/// The direction of a parallel light.
-pub(super) fn parallel_direction(source: &LightSource) -> Option<Vec3> {
-    match *source {
-        LightSource::Directional { direction, .. } | LightSource::Environment { direction, .. } => {
-            Some(direction)
-        }
-        LightSource::Point { .. } | LightSource::Spot { .. } => None,
-    }
-}
-
-fn is_parallel(source: &LightSource) -> bool {
-    parallel_direction(source).is_some()
 }
 
 fn parallel_layer(direction: Vec3, bounds: Bounds, resolution: u32) -> ShadowLayer {

@@ -7,7 +7,7 @@ use lumivox::gpu::{
     TextureView, storage_buffer, uniform_buffer, upload,
 };
 use lumivox::shaders::library_with_volume;
-use lumivox::{Directionality, Light, LightSource, VolumeKind};
+use lumivox::{Directionality, Light, VolumeKind};
 use lumivox_scene::{Camera, Scene};
 
 use super::ReferenceSettings;
@@ -147,12 +147,6 @@ impl Uploaded {
             .buffer(&more_triangles)
             .view(&sensor_texels)
             .build(device, "world");
-        let is_disc = |light: &Light| match light.source {
-            LightSource::Directional { angular_radius_rad: radius, .. }
-            | LightSource::Environment { angular_radius_rad: radius, .. }
-            | LightSource::Point { radius_m: radius, .. }
-            | LightSource::Spot { radius_m: radius, .. } => radius > 0.0,
-        };
         let features = adjust(Features {
             stack: triangles.stack,
             split: split as u32,
@@ -161,7 +155,7 @@ impl Uploaded {
             has_layers: materials.has_layers,
             is_see_through: materials.sides.iter().any(|sides| sides.is_see_through),
             has_lights: !lights.is_empty(),
-            has_discs: lights.iter().any(is_disc),
+            has_discs: lights.iter().any(|light| light.source.radius() > 0.0),
             has_emitters: !emitters.is_empty(),
             has_panorama: lighting.environment.map.is_some(),
             has_peaks: !surroundings.peaks.is_empty(),
@@ -329,11 +323,8 @@ fn lights_around(lighting: &Lighting, radiance_unit: f32, origin: DVec3) -> Vec<
     let moved = |position: &mut Vec3| *position = (position.as_dvec3() - origin).as_vec3();
     let mut lights = lighting.to_gpu(radiance_unit);
     for light in &mut lights {
-        match &mut light.source {
-            LightSource::Point { position, .. } | LightSource::Spot { position, .. } => {
-                moved(position);
-            }
-            LightSource::Directional { .. } | LightSource::Environment { .. } => {}
+        if let Some(position) = light.source.position_mut() {
+            moved(position);
         }
     }
     lights

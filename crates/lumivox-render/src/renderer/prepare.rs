@@ -3,8 +3,8 @@
 use lumivox::gpu::{Recorder, Timing};
 use lumivox::hooks::Injection;
 use lumivox::{
-    EnvironmentLight, EnvironmentMap, Geometry, Gi, GiConfig, GiError, Grid, Light, LightSource,
-    Lights, Panorama, Shadow, ShadowLayer, ShadowMaps, VolumeKind, VoxelizeStats, Voxelized,
+    EnvironmentLight, EnvironmentMap, Geometry, Gi, GiConfig, GiError, Grid, Light, Lights,
+    Panorama, Shadow, ShadowLayer, ShadowMaps, VolumeKind, VoxelizeStats, Voxelized,
     dense_volume_bytes,
 };
 use lumivox_scene::{Bounds, Scene};
@@ -178,13 +178,9 @@ fn largest_texel_m(lights: &[Light], layers: &[ShadowLayer], bounds: Bounds) -> 
     let texel_m = |light: &Light| {
         let Shadow::Map { first_layer } = light.shadow else { return None };
         let texel_size = layers.get(first_layer as usize)?.texel_size;
-        Some(match light.source {
-            LightSource::Directional { .. } | LightSource::Environment { .. } => texel_size,
-            LightSource::Point { position, range_m, .. }
-            | LightSource::Spot { position, range_m, .. } => {
-                texel_size * far_end_m(position, range_m)
-            }
-        })
+        Some(light.source.position().map_or(texel_size, |position| {
+            texel_size * far_end_m(position, light.source.range_m())
+        }))
     };
     lights.iter().filter_map(texel_m).fold(0.0, f32::max)
 }
@@ -237,6 +233,7 @@ pub(super) fn validate_level(settings: &RenderSettings, grid: &Grid) -> Result<(
 mod tests {
     use super::*;
     use glam::{Mat4, Vec3};
+    use lumivox::LightSource;
 
     #[test]
     fn the_largest_texel_is_at_the_far_end() {

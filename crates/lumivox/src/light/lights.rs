@@ -81,6 +81,64 @@ pub enum LightSource {
     },
 }
 
+impl LightSource {
+    /// The direction in which parallel light travels; `None` if the light comes from a position.
+    pub fn parallel_direction(&self) -> Option<Vec3> {
+        match *self {
+            Self::Directional { direction, .. } | Self::Environment { direction, .. } => {
+                Some(direction)
+            }
+            Self::Point { .. } | Self::Spot { .. } => None,
+        }
+    }
+
+    /// The position; `None` if the light is parallel.
+    pub fn position_mut(&mut self) -> Option<&mut Vec3> {
+        match self {
+            Self::Directional { .. } | Self::Environment { .. } => None,
+            Self::Point { position, .. } | Self::Spot { position, .. } => Some(position),
+        }
+    }
+
+    /// The position; `None` if the light is parallel.
+    pub fn position(mut self) -> Option<Vec3> {
+        self.position_mut().copied()
+    }
+
+    /// Distance at which the light ends, m; `None`: never.
+    pub fn range_m(&self) -> Option<f32> {
+        match *self {
+            Self::Directional { .. } | Self::Environment { .. } => None,
+            Self::Point { range_m, .. } | Self::Spot { range_m, .. } => range_m,
+        }
+    }
+
+    /// Radius of the source, m; of parallel light half its angular diameter, rad.
+    pub fn radius(&self) -> f32 {
+        match *self {
+            Self::Directional { angular_radius_rad: radius, .. }
+            | Self::Environment { angular_radius_rad: radius, .. }
+            | Self::Point { radius_m: radius, .. }
+            | Self::Spot { radius_m: radius, .. } => radius,
+        }
+    }
+
+    /// The irradiance of parallel light, the intensity of other light.
+    pub fn strength_mut(&mut self) -> &mut Vec3 {
+        match self {
+            Self::Directional { irradiance: strength, .. }
+            | Self::Environment { irradiance: strength, .. }
+            | Self::Point { intensity: strength, .. }
+            | Self::Spot { intensity: strength, .. } => strength,
+        }
+    }
+
+    /// Layers of the shadow maps that the light needs.
+    pub fn shadow_layers(&self) -> usize {
+        if matches!(self, Self::Point { .. }) { 6 } else { 1 }
+    }
+}
+
 /// The method for a light's shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shadow {

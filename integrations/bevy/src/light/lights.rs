@@ -148,12 +148,7 @@ impl SceneLights {
 
 /// The light with its strength multiplied by `share`, to convert its unit.
 pub(crate) fn scaled(mut light: Light, share: f32) -> Light {
-    match &mut light.source {
-        LightSource::Directional { irradiance: strength, .. }
-        | LightSource::Environment { irradiance: strength, .. }
-        | LightSource::Point { intensity: strength, .. }
-        | LightSource::Spot { intensity: strength, .. } => *strength *= share,
-    }
+    *light.source.strength_mut() *= share;
     light
 }
 

@@ -428,7 +428,7 @@ impl Records {
 
 /// The light, with cone shadows instead if it names layers that do not exist.
 fn with_layers(light: &Light, layer_count: u32) -> Light {
-    let needed = layers_of(&light.source) as u32;
+    let needed = light.source.shadow_layers() as u32;
     let shadow = match light.shadow {
         Shadow::Map { first_layer } if first_layer.saturating_add(needed) > layer_count => {
             tracing::warn!(
@@ -450,7 +450,7 @@ fn mapped(lights: &[Light], records: &[LightRecord], maps: &ShadowMaps) -> Vec<M
         .map(|(index, (light, record))| {
             let layers = &maps.layers[record.shadow_layer as usize..];
             let finer = layers.iter().take_while(|layer| layer.has_finer).count();
-            let count = (layers_of(&light.source) + finer).min(layers.len());
+            let count = (light.source.shadow_layers() + finer).min(layers.len());
             MappedLight {
                 index: index as u32,
                 source: light.source,
@@ -459,11 +459,6 @@ fn mapped(lights: &[Light], records: &[LightRecord], maps: &ShadowMaps) -> Vec<M
             }
         })
         .collect()
-}
-
-/// Layers of the shadow maps that a light needs.
-fn layers_of(source: &LightSource) -> usize {
-    if matches!(source, LightSource::Point { .. }) { 6 } else { 1 }
 }
 
 /// The alpha below which a lobe shows the shape of the widest environment light: the microfacets'
