@@ -1,7 +1,7 @@
 //! The light that the command line adds to a scene, or that replaces the scene's.
 
 use lumivox_console::SourceArgs;
-use lumivox_scene::{EnvironmentMap, LightKind, Note, Scene, SceneError, check_regular};
+use lumivox_scene::{EnvironmentMap, Note, Scene, SceneError, check_regular};
 use serde_json::{Value, json};
 
 use crate::args::light::Surroundings;
@@ -46,13 +46,9 @@ pub fn tell(notes: &[Note]) {
 
 /// All values that decide the light, for the index of a sequence.
 pub fn settings(args: &SourceArgs) -> Value {
-    let sun = args.sun.as_ref().map(|sun| {
-        let lux = match sun.kind {
-            LightKind::Directional { illuminance_lux, .. } => Some(illuminance_lux),
-            LightKind::Point { .. } | LightKind::Spot { .. } => None,
-        };
-        json!({ "towards_sun": (-sun.direction).to_array(), "lux": lux })
-    });
+    let sun = args.sun.as_ref();
+    let sun =
+        sun.map(|sun| json!({ "towards_sun": (-sun.direction).to_array(), "lux": sun.intensity }));
     let environment = args.environment.as_ref().map(|surroundings| match surroundings {
         Surroundings::Uniform(radiance) => json!(radiance.to_array()),
         Surroundings::File(file) => {

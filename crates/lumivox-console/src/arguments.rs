@@ -42,13 +42,7 @@ pub fn angle(text: &str, what: &str, range_deg: RangeInclusive<f64>) -> Result<f
 
 /// An angle in radians as degrees, in the fewest digits that [`angle`] reads back exactly.
 pub fn degrees(angle_rad: f32) -> String {
-    let exact = f64::from(angle_rad).to_degrees();
-    let is_exact = |text: &String| {
-        let read = text.parse::<f64>().map(|degrees| degrees.to_radians() as f32);
-        read.is_ok_and(|read| read.to_bits() == angle_rad.to_bits())
-    };
-    let short = (0..=12).map(|digits| format!("{exact:.digits$}"));
-    short.chain([exact.to_string()]).find(is_exact).unwrap_or_else(|| exact.to_string())
+    lumivox_scene::degrees(angle_rad).to_string()
 }
 
 /// Three numbers, in three words or in one with commas.

@@ -132,6 +132,8 @@ pub struct Command {
     pub summary: &'static str,
     /// Details: units, ranges, defaults, output. May be empty.
     pub details: &'static str,
+    /// Details that come from a table; may be empty.
+    pub more: fn() -> String,
     /// A line that uses it.
     pub example: &'static str,
     /// The difference from VXCT's command of this name; empty if there is none. `None` if VXCT has
@@ -177,6 +179,7 @@ pub const PLAIN: Command = Command {
     takes: &[],
     summary: "",
     details: "",
+    more: String::new,
     example: "",
     vxct: None,
     sets: None,
@@ -196,6 +199,11 @@ impl Command {
     /// The name and the aliases.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         [self.name].into_iter().chain(self.aliases.iter().copied())
+    }
+
+    /// All details, in one line.
+    pub fn details(&self) -> String {
+        format!("{} {}", self.details, (self.more)()).trim().to_owned()
     }
 
     /// The range of the number of arguments.

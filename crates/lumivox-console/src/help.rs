@@ -28,8 +28,9 @@ pub(crate) fn tell(name: Option<&str>) -> anyhow::Result<Reply> {
 /// The help of a command.
 fn of_command(command: &Command) -> String {
     let mut text = format!("{}\n  {}.", command.form(), command.summary);
-    if !command.details.is_empty() {
-        text += &format!("\n  {}", command.details);
+    let details = command.details();
+    if !details.is_empty() {
+        text += &format!("\n  {details}");
     }
     if !command.aliases.is_empty() {
         text += &format!("\n  Also: {}.", command.aliases.join(", "));

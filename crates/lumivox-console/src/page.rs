@@ -90,8 +90,9 @@ pub fn markdown() -> String {
 
 fn of_command(command: &Command) -> String {
     let mut text = format!("\n### `{}`\n\n{}.", command.form(), command.summary);
-    if !command.details.is_empty() {
-        text += &format!(" {}", command.details);
+    let details = command.details();
+    if !details.is_empty() {
+        text += &format!(" {details}");
     }
     if !command.aliases.is_empty() {
         let aliases: Vec<String> =

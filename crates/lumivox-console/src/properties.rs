@@ -16,9 +16,9 @@ pub struct Property<T: 'static> {
     pub is: &'static str,
     /// Its value in words that read back to the same bits; `None` if the thing has no such
     /// property.
-    pub get: fn(&T) -> Option<String>,
+    pub get: fn(&Self, &T) -> Option<String>,
     /// Sets its value.
-    pub set: fn(&mut T, &[&str]) -> Result<(), Failure>,
+    pub set: fn(&Self, &mut T, &[&str]) -> Result<(), Failure>,
 }
 
 /// The names of a table.
@@ -41,7 +41,9 @@ pub fn first<'a>(words: &[&'a str]) -> &'a str {
 pub fn list<T>(table: &[Property<T>], thing: &T) -> String {
     let lines: Vec<String> = table
         .iter()
-        .filter_map(|property| Some(format!("  {} {}", property.name, (property.get)(thing)?)))
+        .filter_map(|property| {
+            Some(format!("  {} {}", property.name, (property.get)(property, thing)?))
+        })
         .collect();
     lines.join("\n")
 }
@@ -60,7 +62,7 @@ pub fn set<T: Clone>(
     let mut words = words;
     while let Some((name, rest)) = words.split_first() {
         let is_it = |p: &&Property<T>| p.name == *name || p.aliases.contains(name);
-        let known = || table.iter().filter(|p| (p.get)(&changed).is_some()).map(|p| p.name);
+        let known = || table.iter().filter(|p| (p.get)(p, &changed).is_some()).map(|p| p.name);
         let Some(property) = table.iter().find(is_it) else {
             let like = suggest::like(name, known());
             let remedy = match like {
@@ -69,7 +71,7 @@ pub fn set<T: Clone>(
             };
             return Err(Failure::input(format!("{what} has no property \"{name}\"; {remedy}")));
         };
-        if (property.get)(&changed).is_none() {
+        if (property.get)(property, &changed).is_none() {
             let known = in_words(&known().collect::<Vec<_>>());
             return Err(Failure::input(format!(
                 "{what} has no {name} with its present shading; it has {known}"
@@ -87,7 +89,7 @@ pub fn set<T: Clone>(
             let is = property.is;
             return Err(Failure::input(format!("{what}: {name} is {is}; got nothing")));
         }
-        (property.set)(&mut changed, value)?;
+        (property.set)(property, &mut changed, value)?;
         words = rest;
     }
     Ok(changed)
@@ -96,8 +98,8 @@ pub fn set<T: Clone>(
 /// The properties that differ between two things, as words that set them.
 pub fn difference<T>(table: &[Property<T>], thing: &T, from: &T) -> Vec<String> {
     let differing = table.iter().filter_map(|property| {
-        let value = (property.get)(thing)?;
-        let is_same = (property.get)(from).is_some_and(|other| other == value);
+        let value = (property.get)(property, thing)?;
+        let is_same = (property.get)(property, from).is_some_and(|other| other == value);
         (!is_same).then(|| format!("{} {value}", property.name))
     });
     differing.collect()

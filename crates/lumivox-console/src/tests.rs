@@ -19,7 +19,7 @@ fn the_table_is_complete() {
     for command in COMMANDS.iter() {
         let name = command.name;
         assert!(command.summary.len() > 10 && !command.summary.ends_with('.'), "{name}");
-        assert!(command.details.is_empty() || command.details.ends_with('.'), "{name}");
+        assert!(command.details().is_empty() || command.details().ends_with('.'), "{name}");
         let example = split(command.example).unwrap();
         let [words] = example.as_slice() else { panic!("{name} has no example") };
         assert!(command.names().any(|known| known == words[0].text), "{name}: {}", command.example);

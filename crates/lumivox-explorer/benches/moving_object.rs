@@ -66,7 +66,8 @@ fn scene() -> Scene {
         });
     }
     scene.lights.push(Light {
-        kind: LightKind::Directional { illuminance_lux: 10_000.0, angular_radius_rad: 0.0 },
+        kind: LightKind::Directional,
+        intensity: 10_000.0,
         direction: Vec3::new(-0.3, -1.0, -0.2).normalize(),
         ..Light::default()
     });

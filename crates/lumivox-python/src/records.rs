@@ -1,8 +1,10 @@
 //! Cameras, lights, materials and instances as dictionaries, whose keys are the fields of the
 //! package's classes.
 
+use std::collections::BTreeMap;
+
 use glam::{Mat4, Vec3, Vec4};
-use lumivox_scene::{Camera, Instance, Light, LightKind, Material, MetallicRoughness, Shading};
+use lumivox_scene::{Camera, Instance, Light, LightValue, Material, MetallicRoughness, Shading};
 use pyo3::{FromPyObject, IntoPyObject};
 
 use crate::error::Fault;
@@ -51,94 +53,41 @@ fn unit(vector: [f32; 3]) -> Vec3 {
     vector.try_normalize().unwrap_or(vector)
 }
 
+/// A light: `name`, `kind`, and the fields of the table of lights.
+pub type LightRecord = BTreeMap<String, Option<LightPart>>;
+
+/// A value of a light's record.
 #[derive(FromPyObject, IntoPyObject)]
-#[pyo3(from_item_all)]
-pub struct LightRecord {
-    name: String,
-    kind: String,
-    /// Candela, or lux for a directional light.
-    intensity: f32,
-    color: [f32; 3],
-    position: [f32; 3],
-    direction: [f32; 3],
-    radius_m: f32,
-    angular_radius_deg: f32,
-    inner_angle_deg: f32,
-    outer_angle_deg: f32,
-    range_m: Option<f32>,
+pub enum LightPart {
+    Text(String),
+    Number(f64),
+    Vector([f64; 3]),
 }
 
-impl From<&Light> for LightRecord {
-    fn from(light: &Light) -> Self {
-        let mut record = Self {
-            name: light.name.clone(),
-            kind: String::new(),
-            intensity: 0.0,
-            color: light.color.into(),
-            position: light.position.into(),
-            direction: light.direction.into(),
-            radius_m: light.radius_m,
-            angular_radius_deg: 0.0,
-            inner_angle_deg: 0.0,
-            outer_angle_deg: 45.0,
-            range_m: None,
-        };
-        match light.kind {
-            LightKind::Directional { illuminance_lux, angular_radius_rad } => {
-                "directional".clone_into(&mut record.kind);
-                record.intensity = illuminance_lux;
-                record.angular_radius_deg = angular_radius_rad.to_degrees();
-            }
-            LightKind::Point { intensity_cd, range_m } => {
-                "point".clone_into(&mut record.kind);
-                (record.intensity, record.range_m) = (intensity_cd, range_m);
-            }
-            LightKind::Spot { intensity_cd, range_m, inner_angle_rad, outer_angle_rad } => {
-                "spot".clone_into(&mut record.kind);
-                (record.intensity, record.range_m) = (intensity_cd, range_m);
-                record.inner_angle_deg = inner_angle_rad.to_degrees();
-                record.outer_angle_deg = outer_angle_rad.to_degrees();
-            }
-        }
-        record
-    }
+/// The record of a light.
+pub fn light_record(light: &Light) -> LightRecord {
+    let part = |value| match value {
+        LightValue::None => None,
+        LightValue::Text(text) => Some(LightPart::Text(text)),
+        LightValue::Number(number) => Some(LightPart::Number(number)),
+        LightValue::Vector(vector) => Some(LightPart::Vector(vector)),
+    };
+    light.record().map(|(key, value)| (key.to_owned(), part(value))).collect()
 }
 
-impl TryFrom<LightRecord> for Light {
-    type Error = Fault;
-
-    fn try_from(record: LightRecord) -> Result<Self, Fault> {
-        let (intensity_cd, range_m) = (record.intensity, record.range_m);
-        let kind = match record.kind.as_str() {
-            "point" => LightKind::Point { intensity_cd, range_m },
-            "directional" => LightKind::Directional {
-                illuminance_lux: record.intensity,
-                angular_radius_rad: record.angular_radius_deg.to_radians(),
-            },
-            "spot" => LightKind::Spot {
-                intensity_cd,
-                range_m,
-                inner_angle_rad: record.inner_angle_deg.to_radians(),
-                outer_angle_rad: record.outer_angle_deg.to_radians(),
-            },
-            other => {
-                let message = format!(
-                    "light \"{}\": its kind is \"{other}\", but must be point, spot or directional",
-                    record.name
-                );
-                return Err(Fault::input(message));
-            }
-        };
-        Ok(Self {
-            name: record.name,
-            kind,
-            color: record.color.into(),
-            position: record.position.into(),
-            direction: unit(record.direction),
-            radius_m: record.radius_m,
-            attenuation: None,
-        })
-    }
+/// The light of a record.
+///
+/// # Errors
+/// A message, if the kind or a field is unknown, or a value is not allowed.
+pub fn light(record: &LightRecord) -> Result<Light, String> {
+    let value = |part: &Option<LightPart>| match part {
+        None => LightValue::None,
+        Some(LightPart::Text(text)) => LightValue::Text(text.clone()),
+        Some(LightPart::Number(number)) => LightValue::Number(*number),
+        Some(LightPart::Vector(vector)) => LightValue::Vector(*vector),
+    };
+    let record: Vec<_> = record.iter().map(|(key, part)| (key.as_str(), value(part))).collect();
+    Light::of_record(&record)
 }
 
 /// The numbers of a metallic-roughness material; of other models only the colour. A changed number

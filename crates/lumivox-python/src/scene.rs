@@ -16,7 +16,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::error::Fault;
-use crate::records::{CameraRecord, InstanceRecord, LightRecord, MaterialRecord, transform};
+use crate::records::{
+    CameraRecord, InstanceRecord, LightRecord, MaterialRecord, light, light_record, transform,
+};
 use crate::work::{Progress, detached, lock, numbers};
 
 /// A scene.
@@ -198,17 +200,15 @@ impl Scene {
 
     #[getter]
     fn lights(&self, py: Python<'_>) -> Vec<LightRecord> {
-        self.read(py, |model| model.lights.iter().map(Into::into).collect())
+        self.read(py, |model| model.lights.iter().map(light_record).collect())
     }
 
     fn set_lights(&self, py: Python<'_>, lights: Vec<LightRecord>) -> PyResult<()> {
         self.edit(py, |model| {
-            let mut made = Vec::with_capacity(lights.len());
-            for light in lights {
-                made.push(Light::try_from(light)?);
-            }
-            check(&model.name, Model { lights: made.clone(), ..Model::default() })?;
-            model.replace_lights(made);
+            let lights: Result<Vec<Light>, String> = lights.iter().map(light).collect();
+            let lights =
+                lights.map_err(|message| Fault::input(format!("{}: {message}", model.name)))?;
+            model.replace_lights(lights);
             Ok(())
         })
     }

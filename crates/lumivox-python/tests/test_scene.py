@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+from dataclasses import fields
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 import pytest
@@ -111,6 +112,17 @@ def test_edits_are_kept_and_saved(tmp_path: Path) -> None:
         assert read.lights[2].direction == (0, -1, 0)
         assert read.cameras[0].vertical_fov_deg == pytest.approx(60)
         assert read.environment == (1, 2, 3)
+
+
+def test_lights_have_all_fields_of_the_table() -> None:
+    scene = floor()
+    kinds = get_args(get_type_hints(Light)["kind"])
+    with pytest.raises(InputError, match="must be " + " or ".join([", ".join(kinds[:-1]), kinds[-1]])):
+        scene.lights = [Light("?")]  # type: ignore[arg-type]
+    scene.lights = [Light(kind, attenuation=(1, 0.5, 0.25)) for kind in kinds]
+    assert list(scene.lights) == [Light(kind, attenuation=(1, 0.5, 0.25)) for kind in kinds]
+    keys = {key for light in scene._scene.lights for key in light}
+    assert keys == {field.name for field in fields(Light)}
 
 
 def test_a_copy_is_another_scene() -> None:

@@ -79,9 +79,9 @@ pub use load::{
 };
 pub use model::{
     AlphaMode, Attenuation, Bounds, Camera, Clearcoat, Environment, EnvironmentMap, Filter,
-    Instance, InstanceBounds, Light, LightKind, LoadNotes, Material, Mesh, MetallicRoughness,
-    Phong, Sampler, Scene, Shading, Sheen, Strengths, Texture, TextureRef, Transmission, Unlit,
-    Wrap,
+    Instance, InstanceBounds, LIGHT_FIELDS, Light, LightField, LightForm, LightKind, LightValue,
+    LoadNotes, Material, Mesh, MetallicRoughness, Phong, Sampler, Scene, Shading, Sheen, Strengths,
+    Texture, TextureRef, Transmission, Unlit, Wrap, degrees,
 };
 pub use pick::{Pick, Picker};
 pub use pose::{AnimationChoice, AnimationInfo, Moved, Places, Rig};

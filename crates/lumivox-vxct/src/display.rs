@@ -4,7 +4,7 @@ use glam::Vec3;
 use lumivox_render::look::LookScene;
 use lumivox_render::parameters::MAX_STOPS;
 use lumivox_render::{Exposure, ToneMap};
-use lumivox_scene::{Attenuation, Environment, LightKind, Material, Scene};
+use lumivox_scene::{Attenuation, Environment, Material, Scene};
 
 /// How a screen shows a scene in this look.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,13 +38,8 @@ pub(super) fn display_of(scene: &LookScene) -> VxctDisplay {
     let bounds = scene.bounds;
     let unit_m = 0.5 * (bounds.max - bounds.min).max_element();
     let of_lights = scene.lighting.lights.iter().map(|light| {
-        let strength = match light.kind {
-            LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
-            LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
-                intensity_cd * share_of_lamps(unit_m)
-            }
-        };
-        light.color.max_element() * strength / std::f32::consts::PI
+        let share = if light.kind.is_parallel() { 1.0 } else { share_of_lamps(unit_m) };
+        light.color.max_element() * (light.intensity * share) / std::f32::consts::PI
     });
     let brightest = of_lights.filter(|white| white.is_finite()).fold(0.0, f32::max);
     let white = if brightest > 0.0 {

@@ -7,7 +7,7 @@ use glam::Vec3;
 use lumivox::gpu::{Buffer, upload};
 use lumivox_render::look::{Attributes, LookScene};
 use lumivox_render::{Gpu, GpuScene, Lighting};
-use lumivox_scene::{Attenuation, Bounds, Environment, Light, LightKind, Material};
+use lumivox_scene::{Attenuation, Bounds, Environment, Light, Material};
 
 use super::display::{display_of, mean_radiance, share_of_lamps};
 
@@ -137,26 +137,20 @@ impl Records {
         let vector = |a: Attenuation, unit_m: f32| {
             Vec3::new(a.constant, a.linear * unit_m, a.quadratic * unit_m * unit_m)
         };
-        let (strength, polynomial) = match (light.kind, light.attenuation) {
-            (LightKind::Directional { illuminance_lux, .. }, _) => (illuminance_lux, Vec3::X),
-            (
-                LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. },
-                Some(given),
-            ) => (intensity_cd / given.at(1.0), vector(given, self.unit_m)),
-            (
-                LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. },
-                None,
-            ) => (intensity_cd * share_of_lamps(self.unit_m), vector(Attenuation::default(), 1.0)),
-        };
-        let is_parallel = matches!(light.kind, LightKind::Directional { .. });
-        let (spot_scale, spot_offset) = match light.kind {
-            LightKind::Spot { inner_angle_rad, outer_angle_rad, .. } => {
-                let (inner, outer) = (inner_angle_rad.cos(), outer_angle_rad.cos());
-                let scale = 1.0 / (inner - outer).max(1e-3);
-                (scale, -outer * scale)
+        let is_parallel = light.kind.is_parallel();
+        let (strength, polynomial) = match light.attenuation {
+            _ if is_parallel => (light.intensity, Vec3::X),
+            Some(given) => (light.intensity / given.at(1.0), vector(given, self.unit_m)),
+            None => {
+                let strength = light.intensity * share_of_lamps(self.unit_m);
+                (strength, vector(Attenuation::default(), 1.0))
             }
-            _ => (0.0, 1.0),
         };
+        let (spot_scale, spot_offset) = light.cone_rad().map_or((0.0, 1.0), |cone_rad| {
+            let [inner, outer] = cone_rad.map(f32::cos);
+            let scale = 1.0 / (inner - outer).max(1e-3);
+            (scale, -outer * scale)
+        });
         VxctLight {
             position: if is_parallel {
                 -light.direction

@@ -6,11 +6,11 @@ import { CameraList } from "./cameras.js";
 import { Client, WorkerError } from "./client.js";
 import { Console } from "./console.js";
 import { Controls } from "./controls.js";
-import { byId, plain } from "./dom.js";
+import { byId, h, plain, title } from "./dom.js";
 import { listenForFiles } from "./drop.js";
 import { followHistogram } from "./histogram.js";
 import { listenToTools, showPanel, showSteps } from "./keys.js";
-import { newLight, showLights, showObjects } from "./lights.js";
+import { showLights, showObjects } from "./lights.js";
 import { decode } from "./link.js";
 import { showMaterials } from "./materials.js";
 import { announce, loading, say, showUnsupported } from "./messages.js";
@@ -328,15 +328,14 @@ function showAllLights(lights) {
     if (!opened) return;
     opened.scene.lights = lights;
     const change = (/** @type {number} */ index, /** @type {Light} */ light) => void attempt(ask("light", { index, light }));
-    showLights(lights, change, async (index) => {
+    showLights(lights, catalogue.lights, change, async (index) => {
         const left = await attempt(ask("removeLight", index));
         if (left) showAllLights(/** @type {Light[]} */ (left));
     });
 }
 
-async function addLight(/** @type {string | null} */ kind) {
-    if (!opened || !camera) return;
-    const lights = await attempt(ask("addLight", newLight(/** @type {NonNullable<Light["kind"]>} */ (kind), camera, opened.scene.lights.length)));
+async function addLight(/** @type {string} */ kind) {
+    const lights = opened && await attempt(ask("addLight", kind));
     if (lights) showAllLights(/** @type {Light[]} */ (lights));
 }
 
@@ -500,9 +499,8 @@ function fillPanel() {
         const address = byId("address", HTMLInputElement).value.trim();
         if (address) void open(address);
     });
-    for (const button of document.querySelectorAll("[data-add]")) {
-        button.addEventListener("click", () => void addLight(button.getAttribute("data-add")));
-    }
+    byId("add-light").append(...catalogue.lights.map(({ word, summary }) =>
+        h("button", { "data-add": word, title: summary, click: () => void addLight(word) }, title(word))));
     byId("scale").addEventListener("input", resize);
     const budget = byId("budget", HTMLInputElement);
     budget.addEventListener("change", () => {

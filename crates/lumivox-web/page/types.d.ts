@@ -2,11 +2,12 @@
 
 import type {
     Camera as AnyCamera, EnvironmentChange, EnvironmentInfo as Environment, FrameReport,
-    HistogramInfo as Histogram, Light, LightHere, Material, MaterialChange, ParameterInfo, Picked, Progress, SceneInfo as AnySceneInfo, SceneOptions,
+    HistogramInfo as Histogram, Light, LightHere, LightKindInfo, Material, MaterialChange, ParameterInfo, Picked, Progress, SceneInfo as AnySceneInfo, SceneOptions,
 } from "./lumivox/lumivox.js";
 
 export type {
-    Environment, EnvironmentChange, FrameReport, Histogram, Light, LightHere, Material, MaterialChange, ParameterInfo,
+    Environment, EnvironmentChange, FrameReport, Histogram, Light, LightHere, LightKindInfo, Material, MaterialChange,
+    ParameterInfo,
     Picked, Progress, SceneOptions,
 };
 export type Vec3 = [number, number, number];
@@ -44,6 +45,7 @@ export interface Catalogue {
     scenes: { name: string; title: string }[];
     presets: { name: string; title: string }[];
     parameters: ParameterInfo[];
+    lights: LightKindInfo[];
     settings: Settings;
 }
 

@@ -3,7 +3,7 @@
 // the page. It renders until the picture is complete, then sleeps until something changes. All of
 // the page's uses of the package's API are here.
 
-import init, { builtinScenes, createRenderer, parameters, presets } from "./lumivox/lumivox.js";
+import init, { builtinScenes, createRenderer, lightKinds, parameters, presets } from "./lumivox/lumivox.js";
 
 /** @typedef {import("./lumivox/lumivox.js").Renderer} Renderer */
 /** @typedef {import("./types.js").Camera} Camera */
@@ -158,7 +158,7 @@ const calls = {
         listen();
         void frames();
         const settings = await renderer.settings();
-        return { scenes: builtinScenes(), presets: presets(), parameters: parameters(), settings };
+        return { scenes: builtinScenes(), presets: presets(), parameters: parameters(), lights: lightKinds(), settings };
     },
     /** Loads a scene, with a panorama around it if one is named. Earlier loading is cancelled.
      * @param {{ source: Source, panorama?: Source, camera?: Camera, options?: SceneOptions }} data
@@ -226,9 +226,9 @@ const calls = {
     async pick({ x, y }) {
         return renderer.pick(x, y);
     },
-    /** @param {Light} light */
-    async addLight(light) {
-        await renderer.addLight(light);
+    /** Adds a light at the camera, as the console does. @param {string} kind */
+    async addLight(kind) {
+        await renderer.run(`add_light ${kind}`);
         return (await renderer.scene())?.lights ?? [];
     },
     /** @param {number} index */

@@ -34,7 +34,7 @@ impl Session {
             let count = lights.len();
             let place =
                 lights.get_mut(number).ok_or_else(|| out_of_range("light", number, count))?;
-            *place = light.to_scene(place.attenuation)?;
+            *place = light.to_scene()?;
             Ok(())
         })
     }

@@ -22,8 +22,8 @@ use crate::session::Session;
 use crate::settings::Settings;
 use crate::types::{
     Camera, EnvironmentChange, EnvironmentInfo, FrameReport, HistogramInfo, Light, LightHere,
-    LoadingOptions, Material, MaterialChange, MemoryInfo, Named, ParameterInfo, Picked, SceneInfo,
-    SceneOptions, Split,
+    LightKindInfo, LoadingOptions, Material, MaterialChange, MemoryInfo, Named, ParameterInfo,
+    Picked, SceneInfo, SceneOptions, Split,
 };
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -85,6 +85,12 @@ pub fn builtin_scenes() -> Result<Vec<Ts<Named>>, JsValue> {
 #[wasm_bindgen]
 pub fn parameters() -> Result<Vec<Ts<ParameterInfo>>, JsValue> {
     ParameterInfo::all().iter().map(to_js).collect()
+}
+
+/// The kinds of light and their fields.
+#[wasm_bindgen(js_name = lightKinds)]
+pub fn light_kinds() -> Result<Vec<Ts<LightKindInfo>>, JsValue> {
+    LightKindInfo::all().iter().map(to_js).collect()
 }
 
 /// The presets, for `setPreset`.
@@ -311,18 +317,25 @@ impl Renderer {
 
     /// Changes the light of this number in `scene().lights`.
     #[wasm_bindgen(js_name = setLight)]
-    pub async fn set_light(&self, number: usize, light: Ts<Light>) -> Result<(), JsValue> {
-        let light = from_js(&light, "a light")?;
+    pub async fn set_light(
+        &self,
+        number: usize,
+        #[wasm_bindgen(unchecked_param_type = "Light")] light: JsValue,
+    ) -> Result<(), JsValue> {
+        let light = of_text_of(&light, "a light")?;
         let Some(mut session) = self.change(format!("light {number}")).await else { return Ok(()) };
         Ok(session.set_light(number, &light)?)
     }
 
     /// Adds a light and returns its number.
     #[wasm_bindgen(js_name = addLight)]
-    pub async fn add_light(&self, light: Ts<Light>) -> Result<usize, JsValue> {
-        let light: Light = from_js(&light, "a light")?;
+    pub async fn add_light(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Light")] light: JsValue,
+    ) -> Result<usize, JsValue> {
+        let light: Light = of_text_of(&light, "a light")?;
         let number = self.session().await.edit_lights(|lights| {
-            lights.push(light.to_scene(None)?);
+            lights.push(light.to_scene()?);
             Ok(lights.len() - 1)
         })?;
         Ok(number)

@@ -131,3 +131,42 @@ export interface Settings {
   /** How fast reflections fade where a light stands off the mirrored direction: a number from 0 to 16. Default: 3. */
   shininess_falloff?: number;
 }
+/** The kinds of light. */
+export type LightKind = "point" | "spot" | "directional";
+/** A light. Its source is invisible. Properties that its kind does not have are ignored. */
+export interface Light {
+  /** The name in lists and messages. Default: "light". */
+  name?: string;
+  /** The kind. Default: "point". */
+  kind?: LightKind;
+  /** Strength, luminous intensity; of a sun illuminance:
+   * a number from 0, cd. Default: 1. */
+  intensity?: number;
+  /** Colour, linear red, green and blue:
+   * three numbers R G B from 0. Default: 1 1 1. */
+  color?: [number, number, number];
+  /** Position, place in the world:
+   * three numbers X Y Z, m. Default: 0 0 0. */
+  position?: [number, number, number];
+  /** Direction, in which the light travels:
+   * three numbers X Y Z, not all 0. Default: 0 -1 0. */
+  direction?: [number, number, number];
+  /** Radius, of the source, for soft shadows:
+   * a number from 0, m. Default: 0. */
+  radius_m?: number;
+  /** Range, distance beyond which the light may be cut off:
+   * a number above 0, m, or none. Default: none. */
+  range_m?: number | null;
+  /** Outer angle, from the axis to the end of the light:
+   * an angle above 0 to 90 degrees. Default: 45. */
+  outer_angle_deg?: number;
+  /** Inner angle, from the axis to the fall-off:
+   * an angle from 0 to outer, 45 degrees. Default: 0. */
+  inner_angle_deg?: number;
+  /** Angular radius, for soft shadows:
+   * an angle from 0 to 90 degrees. Default: 0. */
+  angular_radius_deg?: number;
+  /** Attenuation, fall-off in the look vxct:
+   * three numbers CONSTANT LINEAR QUADRATIC from 0, not all 0, or none. Default: none. */
+  attenuation?: [number, number, number] | null;
+}

@@ -118,7 +118,7 @@ fn find(name: &str) -> Result<&'static Parameter, WebError> {
     })
 }
 
-/// The TypeScript declaration of all settings.
+/// The TypeScript declarations of all settings and of lights.
 pub fn declarations() -> String {
     let mut text = String::from(
         "/** All settings by name. Ranges and defaults are in `parameters()`; settings that are left out keep their values. */\n\
@@ -138,7 +138,7 @@ pub fn declarations() -> String {
             "  /** {what}: {values}{unit}. Default: {default}. */\n  {name}?: {values_type};\n"
         );
     }
-    text + "}\n"
+    text + "}\n" + &crate::types::light_declarations()
 }
 
 fn type_of(kind: Kind) -> String {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use lumivox_console::quote;
 use lumivox_explorer::Placement;
-use lumivox_scene::{Bounds, Light, LightKind};
+use lumivox_scene::{Bounds, Light};
 
 use super::camera;
 use super::gizmo::Mode;
@@ -12,7 +12,7 @@ use super::outbox::Outbox;
 
 /// Whether a light has a position.
 pub fn is_lamp(light: &Light) -> bool {
-    !matches!(light.kind, LightKind::Directional { .. })
+    !light.kind.is_parallel()
 }
 
 /// The selected object.

@@ -231,11 +231,7 @@ fn light_options(light: &SourceArgs, option: &mut impl FnMut(&str, String)) {
         option("--surroundings", staging.name().to_owned());
     }
     if let Some(sun) = sun {
-        let lux = match sun.kind {
-            lumivox_scene::LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
-            _ => 0.0,
-        };
-        option("--sun", format!("{},{lux}", commas(-sun.direction)));
+        option("--sun", format!("{},{}", commas(-sun.direction), sun.intensity));
     }
     match environment {
         Some(crate::values::light::Surroundings::Uniform(radiance)) => {

@@ -152,16 +152,14 @@ fn light_lines(console: &Console, opened: &PreparedScene, has_sky: bool) -> Vec<
         return Vec::new();
     }
     let names = console.explorer.light_names();
-    let is_alike = |(now, was): (&Light, &Light)| {
-        now.name == was.name && lights::kind_name(now) == lights::kind_name(was)
-    };
+    let is_alike = |(now, was): (&Light, &Light)| now.name == was.name && now.kind == was.kind;
     let is_same_list = scene.lights.len() == original.lights.len()
         && scene.lights.iter().zip(&original.lights).all(is_alike);
     if is_same_list && !has_sky {
         let changed = scene.lights.iter().zip(&original.lights).zip(names);
         return changed
             .filter_map(|((light, original), name)| {
-                let words = properties::difference(lights::PROPERTIES, light, original).join(" ");
+                let words = properties::difference(&lights::PROPERTIES, light, original).join(" ");
                 (!words.is_empty()).then(|| format!("light {} {words}", quote(&name)))
             })
             .collect();
@@ -170,13 +168,12 @@ fn light_lines(console: &Console, opened: &PreparedScene, has_sky: bool) -> Vec<
     // it in its last bits.
     let mut lines = vec!["remove_light all".to_owned()];
     for (light, name) in scene.lights.iter().zip(names) {
-        let properties = lights::PROPERTIES
-            .iter()
-            .filter_map(|property| Some(format!("{} {}", property.name, (property.get)(light)?)));
+        let fields = light.kind.fields();
+        let properties = fields.map(|field| format!("{} {}", field.name, field.value(light)));
         let properties: Vec<String> = properties.collect();
         lines.push(format!(
             "add_light {} {} {}",
-            lights::kind_name(light),
+            light.kind.word(),
             quote(&name),
             properties.join(" ")
         ));

@@ -8,10 +8,6 @@ use lumivox_scene::{Light, LightKind};
 use super::Refused;
 use super::number::{in_range, list, some};
 
-/// Illuminance of the sun at noon, lux.
-const NOON_LUX: f32 = 100_000.0;
-/// Half the angular diameter of the sun seen from the earth, rad.
-const SUN_ANGULAR_RADIUS_RAD: f32 = 0.004_65;
 /// The greatest radiance or illuminance: far above the sun (100 000 lux, 1.6e9 cd/m²), and far
 /// below where squares overflow.
 const BRIGHTEST: f32 = 1e10;
@@ -26,10 +22,10 @@ pub fn sun(text: &str) -> Result<Light, Refused> {
             let count = numbers.len();
             Refused::Malformed(format!("expected {SUN_FORM}; got {count} numbers"))
         })?;
-    let illuminance_lux = match rest {
-        [] => NOON_LUX,
-        [lux, ..] => in_range(*lux, &(0.0..=BRIGHTEST), "the illuminance in lux")?,
-    };
+    let mut sun = Light::typical(LightKind::Directional);
+    if let [lux, ..] = rest {
+        sun.intensity = in_range(*lux, &(0.0..=BRIGHTEST), "the illuminance in lux")?;
+    }
     // In f64, squares of f32 neither overflow nor underflow.
     let towards_sun = Vec3::new(x, y, z).as_dvec3();
     if towards_sun == DVec3::ZERO {
@@ -37,12 +33,8 @@ pub fn sun(text: &str) -> Result<Light, Refused> {
     }
     Ok(Light {
         name: "sun of the command line".to_owned(),
-        kind: LightKind::Directional {
-            illuminance_lux,
-            angular_radius_rad: SUN_ANGULAR_RADIUS_RAD,
-        },
         direction: -towards_sun.normalize().as_vec3(),
-        ..Light::default()
+        ..sun
     })
 }
 
@@ -109,16 +101,10 @@ mod tests {
     fn the_sun_shines_from_where_it_is() {
         let light = sun("0,2,0").unwrap();
         assert_eq!(light.direction, Vec3::NEG_Y);
-        let LightKind::Directional { illuminance_lux, .. } = light.kind else {
-            panic!("a sun is directional")
-        };
-        assert_eq!(illuminance_lux, NOON_LUX);
+        assert_eq!((light.kind, light.intensity), (LightKind::Directional, 100_000.0));
         let light = sun("1e-30,0,0,5").unwrap();
         assert_eq!(light.direction, Vec3::NEG_X);
-        assert!(matches!(
-            light.kind,
-            LightKind::Directional { illuminance_lux, .. } if illuminance_lux == 5.0
-        ));
+        assert_eq!(light.intensity, 5.0);
         let mut scene = lumivox_scene::builtin::scene("cornell").unwrap();
         scene.lights.push(sun("3e38,3e38,-3e38,1e10").unwrap());
         scene.validate().unwrap();

@@ -34,15 +34,15 @@ fn reflected(gpu: &Gpu, renderer: &Renderer) -> f64 {
 }
 
 fn with_spot(mut scene: Scene) -> Scene {
-    let kind = LightKind::Spot {
-        intensity_cd: 200.0,
-        range_m: None,
+    scene.lights = vec![Light {
+        kind: LightKind::Spot,
+        intensity: 200.0,
         inner_angle_rad: 0.2,
         outer_angle_rad: 0.5,
-    };
-    let position = scene.lights[0].position;
-    let direction = Vec3::new(0.4, -1.0, -0.3).normalize();
-    scene.lights = vec![Light { kind, position, direction, ..Light::default() }];
+        position: scene.lights[0].position,
+        direction: Vec3::new(0.4, -1.0, -0.3).normalize(),
+        ..Light::default()
+    }];
     scene
 }
 

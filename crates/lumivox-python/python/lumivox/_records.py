@@ -120,9 +120,10 @@ class Light(_Record):
 
     ``intensity`` is in candela, for a directional light in lux on a surface that faces it. The
     light travels along ``direction`` (not of points). ``radius_m`` (not of directional lights) and
-    ``angular_radius_deg`` (directional alone; the sun has 0.266) make shadows soft. A spot falls
-    from ``inner_angle_deg`` to ``outer_angle_deg``, both from its axis, at most 90. ``range_m`` is
-    the distance beyond which a lamp may be cut off; ``None``, the physical choice, is unlimited.
+    ``angular_radius_deg`` (only of directional lights; the sun has 0.266) make shadows soft. A spot
+    falls from ``inner_angle_deg`` to ``outer_angle_deg``, both from its axis, at most 90.
+    ``range_m`` is the distance beyond which a lamp may be cut off; ``None``, the physical choice,
+    is unlimited. ``attenuation`` (constant, linear, quadratic) is the fall-off in the look vxct.
     """
 
     kind: Literal["point", "spot", "directional"] = "point"
@@ -136,13 +137,13 @@ class Light(_Record):
     outer_angle_deg: float = 45.0
     range_m: float | None = None
     name: str = "light"
+    attenuation: Vector | None = None
 
     def __post_init__(self) -> None:
-        self._numbers(
-            "intensity", "radius_m", "angular_radius_deg", "inner_angle_deg", "outer_angle_deg"
-        )
-        if self.range_m is not None:
-            self._numbers("range_m")
+        numbers = (field.name for field in fields(self) if str(field.type).startswith("float"))
+        self._numbers(*(name for name in numbers if getattr(self, name) is not None))
+        if self.attenuation is not None:
+            self._put("attenuation", vector("attenuation", self.attenuation))
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,14 @@ use std::collections::HashSet;
 
 use glam::Vec3;
 use lumivox::{Directionality, Grid, VolumeKind, dense_volume_bytes};
-use lumivox_scene::{Instance, Light, LightKind, Material, Scene, Shading, Texture};
+use lumivox_scene::{Instance, Light, Material, Scene, Shading, Texture};
 
 use crate::gpu::memory::available_memory;
 use crate::passes::near_shadows::{MAX_NEAR_BYTES, SQUARES};
 use crate::passes::overlay::OVERLAY_BYTES_PER_PIXEL;
 use crate::passes::shadow_layers::{MAX_BYTES as MAX_SHADOW_BYTES, ParallelSight, fine_boxes};
 use crate::passes::targets::{BYTES_PER_PIXEL, TINT_BYTES_PER_PIXEL, trace_bytes};
-use crate::scene::{DrawRecord, VERTEX_BYTES};
+use crate::scene::{DrawRecord, Lighting, VERTEX_BYTES};
 use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 
 /// Faces per voxel; 0.9 to 1.9 on the built-in scenes.
@@ -270,15 +270,15 @@ fn shadow_bytes(scene: &Scene, grid: &Grid, settings: &RenderSettings) -> u64 {
         return 0;
     }
     let (boxes, bounds) = (fine_boxes(grid), scene.bounds());
-    let layers = scene.lights.iter().map(|light| match light.kind {
-        LightKind::Directional { .. } => {
-            1 + ParallelSight::new(light.direction, bounds).smaller(&boxes).count() as u64
-        }
-        LightKind::Spot { .. } => 1,
-        LightKind::Point { .. } => 6,
+    let layers = Lighting::of(scene).to_gpu(1.0).into_iter().map(|light| {
+        let finer = light
+            .source
+            .parallel_direction()
+            .map_or(0, |direction| ParallelSight::new(direction, bounds).smaller(&boxes).count());
+        (light.source.shadow_layers() + finer) as u64
     });
     let layer_bytes = 4 * u64::from(settings.shadow_resolution).pow(2);
-    let is_sun = |light: &&Light| matches!(light.kind, LightKind::Directional { .. });
+    let is_sun = |light: &&Light| light.kind.is_parallel();
     let near = scene.lights.iter().filter(is_sun).count() as u64 * u64::from(SQUARES);
     (layers.sum::<u64>() * layer_bytes).min(MAX_SHADOW_BYTES)
         + (near * layer_bytes).min(MAX_NEAR_BYTES)

@@ -28,28 +28,24 @@ impl Lighting {
 }
 
 fn convert(light: &lumivox_scene::Light, radiance_unit: f32) -> Light {
-    let strength = |value: f32| light.color * (value / radiance_unit);
-    let (position, direction, radius_m) = (light.position, light.direction, light.radius_m);
+    let intensity = light.color * (light.intensity / radiance_unit);
+    let lumivox_scene::Light { position, direction, radius_m, range_m, .. } = *light;
     let source = match light.kind {
-        LightKind::Directional { illuminance_lux, angular_radius_rad } => {
-            let irradiance = strength(illuminance_lux);
-            LightSource::Directional { direction, irradiance, angular_radius_rad }
-        }
-        LightKind::Point { intensity_cd, range_m } => {
-            let intensity = strength(intensity_cd);
-            LightSource::Point { position, intensity, radius_m, range_m }
-        }
-        LightKind::Spot { intensity_cd, range_m, inner_angle_rad, outer_angle_rad } => {
-            LightSource::Spot {
-                position,
-                direction,
-                intensity: strength(intensity_cd),
-                inner_angle_rad,
-                outer_angle_rad,
-                radius_m,
-                range_m,
-            }
-        }
+        LightKind::Directional => LightSource::Directional {
+            direction,
+            irradiance: intensity,
+            angular_radius_rad: light.angular_radius_rad,
+        },
+        LightKind::Point => LightSource::Point { position, intensity, radius_m, range_m },
+        LightKind::Spot => LightSource::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle_rad: light.inner_angle_rad,
+            outer_angle_rad: light.outer_angle_rad,
+            radius_m,
+            range_m,
+        },
     };
     Light { source, shadow: Shadow::Cone }
 }

@@ -7,7 +7,7 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
-use lumivox_scene::{LightKind, Scene};
+use lumivox_scene::Scene;
 
 use super::Lighting;
 
@@ -22,14 +22,9 @@ pub(crate) fn reference_white(scene: &Scene, lighting: &Lighting) -> f32 {
     let bounds = scene.bounds();
     let nearest_m = bounds.radius_m() * NEAREST;
     let lights = lighting.lights.iter().map(|light| {
-        let irradiance = match light.kind {
-            LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
-            LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
-                let distance_m = light.position.distance(bounds.center());
-                intensity_cd / distance_m.max(nearest_m).max(light.radius_m).powi(2)
-            }
-        };
-        light.color.max_element() * irradiance / PI
+        let distance_m = light.position.distance(bounds.center());
+        let distance_m = distance_m.max(nearest_m).max(light.radius_m);
+        light.color.max_element() * light.illuminance_at(distance_m) / PI
     });
     let emission = scene.materials.iter().map(|material| material.emissive.max_element());
     let strongest = |radiances: &mut dyn Iterator<Item = f32>| {
@@ -72,7 +67,7 @@ mod tests {
         let wall_m = 0.25 * scene.bounds().radius_m();
         for aside_m in [0.0, 0.5 * wall_m, 2.0 * wall_m] {
             let lamp = lumivox_scene::Light {
-                kind: LightKind::Point { intensity_cd: 100.0, range_m: None },
+                intensity: 100.0,
                 position: scene.bounds().center() + Vec3::X * aside_m,
                 ..lumivox_scene::Light::default()
             };

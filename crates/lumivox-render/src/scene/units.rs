@@ -8,7 +8,7 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
-use lumivox_scene::{Bounds, Environment, LightKind, Scene};
+use lumivox_scene::{Bounds, Environment, Scene};
 
 use super::Lighting;
 
@@ -50,14 +50,7 @@ pub(crate) fn suits(unit: f32, bounds: Bounds, scene: &Scene, lighting: &Lightin
 fn brightest(bounds: Bounds, scene: &Scene, lighting: &Lighting) -> Option<f32> {
     let nearest_m = bounds.radius_m() * NEAREST;
     let lights = lighting.lights.iter().map(|light| {
-        let color = light.color.max_element();
-        let irradiance = match light.kind {
-            LightKind::Directional { illuminance_lux, .. } => illuminance_lux,
-            LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
-                intensity_cd / nearest_m.max(light.radius_m).powi(2)
-            }
-        };
-        color * irradiance / PI
+        light.color.max_element() * light.illuminance_at(nearest_m.max(light.radius_m)) / PI
     });
     let emission = scene.materials.iter().map(|material| material.emissive.max_element());
     let brightest = lights

@@ -102,7 +102,8 @@ fn shade_on_a_wide_ground_follows_a_camera_in_motion() {
     }
     scene.lights.push(Light {
         direction: Vec3::new(0.0, -0.5, 1.0).normalize(),
-        kind: LightKind::Directional { illuminance_lux: 1e4, angular_radius_rad: 0.0 },
+        kind: LightKind::Directional,
+        intensity: 1e4,
         ..Light::default()
     });
     let trace = TraceSettings { temporal: true, ..TraceSettings::default() };
@@ -141,7 +142,8 @@ fn shade_beyond_small_cascades_is_that_of_a_dense_volume() {
     zoo::place(&mut scene, fence, grey(), Mat4::IDENTITY);
     scene.lights.push(Light {
         direction: Vec3::new(0.0, -0.5, 1.0).normalize(),
-        kind: LightKind::Directional { illuminance_lux: 1e4, angular_radius_rad: 0.0 },
+        kind: LightKind::Directional,
+        intensity: 1e4,
         ..Light::default()
     });
     let cascades = CascadeOptions { count: 3, resolution: 32, voxel_size_m: 0.125 };

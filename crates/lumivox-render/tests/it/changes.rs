@@ -34,7 +34,9 @@ fn settings_may_change_in_any_order() {
     let mut scene = builtin("cornell");
     // Its shadows by cones need the voxels' opacities before there is any light.
     scene.lights.push(lumivox_scene::Light {
-        kind: LightKind::Directional { illuminance_lux: 100.0, angular_radius_rad: 0.1 },
+        kind: LightKind::Directional,
+        intensity: 100.0,
+        angular_radius_rad: 0.1,
         direction: Vec3::new(-0.3, -1.0, -0.6).normalize(),
         ..lumivox_scene::Light::default()
     });
@@ -143,7 +145,7 @@ fn other_light(scene: &Scene) -> Scene {
     scene.lights.truncate(1);
     scene.environment.radiance = Vec3::new(0.5, 1.0, 3.0);
     let mut lamp = lumivox_scene::Light {
-        kind: LightKind::Point { intensity_cd: 30.0, range_m: None },
+        intensity: 30.0,
         color: Vec3::new(1.0, 0.5, 0.25),
         position: Vec3::new(0.1, 0.3, 0.2),
         ..lumivox_scene::Light::default()

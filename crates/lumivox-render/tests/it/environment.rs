@@ -272,10 +272,7 @@ fn a_sky_lights_the_floor_in_real_units() {
     };
     let Sky { map, sun } = sky(&settings).expect("a sky");
     let sun = sun.expect("it is up");
-    let lumivox_scene::LightKind::Directional { illuminance_lux, .. } = sun.kind else {
-        panic!("a sun is directional")
-    };
-    let expected = (map.irradiance(Vec3::Y) + sun.color * illuminance_lux * -sun.direction.y) / PI;
+    let expected = (map.irradiance(Vec3::Y) + sun.color * sun.intensity * -sun.direction.y) / PI;
     let mut scene = scene(white(), around(map, 0.0), false);
     scene.lights.push(sun);
     let camera = Camera::look_at(Vec3::new(0.0, 3.0, 0.01), Vec3::ZERO, 0.3);

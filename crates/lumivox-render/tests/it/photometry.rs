@@ -27,8 +27,7 @@ fn lamp_over_floor() -> Scene {
     let mut scene = Scene::default();
     let floor = zoo::quad(Vec3::ZERO, Vec3::X * 5.0, Vec3::NEG_Z * 5.0);
     zoo::place(&mut scene, floor, Material::diffuse("floor", Vec3::splat(0.2)), Mat4::IDENTITY);
-    let kind = LightKind::Point { intensity_cd: 100.0, range_m: None };
-    scene.lights.push(Light { kind, position: Vec3::Y * 2.0, ..Light::default() });
+    scene.lights.push(Light { intensity: 100.0, position: Vec3::Y * 2.0, ..Light::default() });
     scene.cameras.push(Camera::look_at(Vec3::Y * 1.0, Vec3::ZERO, 1.0));
     scene
 }
@@ -111,8 +110,8 @@ fn a_highlight_smaller_than_a_pixel_keeps_its_energy() {
     let (distance_m, fov) = (2.0, 0.12_f32);
     scene.cameras.push(Camera::look_at(Vec3::Z * distance_m, Vec3::ZERO, fov));
     let mut in_panorama = scene.clone();
-    let kind = LightKind::Directional { illuminance_lux: 1000.0, angular_radius_rad: 0.0 };
-    scene.lights.push(Light { kind, direction: -to_sun, ..Light::default() });
+    let (kind, intensity) = (LightKind::Directional, 1000.0);
+    scene.lights.push(Light { kind, intensity, direction: -to_sun, ..Light::default() });
     let (panorama, illuminance_lux) = sun_in_panorama(to_sun);
     in_panorama.environment = Arc::new(panorama).into();
     for (scene, illuminance_lux) in [(scene, 1000.0), (in_panorama, illuminance_lux)] {

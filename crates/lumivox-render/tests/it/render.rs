@@ -73,7 +73,8 @@ fn floor_in_the_sun() -> Scene {
         ..Instance::default()
     });
     scene.lights.push(Light {
-        kind: LightKind::Directional { illuminance_lux: 50_000.0, angular_radius_rad: 0.0 },
+        kind: LightKind::Directional,
+        intensity: 50_000.0,
         direction: Vec3::new(-(3.0_f32.sqrt()), -1.0, 0.0).normalize(),
         ..Light::default()
     });

@@ -66,8 +66,8 @@ fn a_small_thing_on_a_wide_ground_has_its_shadow() {
         let quad = zoo::quad(Vec3::Y * height_m, Vec3::X * half_m, Vec3::NEG_Z * half_m);
         zoo::place(&mut scene, quad, grey(), Mat4::IDENTITY);
     }
-    let kind = LightKind::Directional { illuminance_lux: 1000.0, angular_radius_rad: 0.0 };
-    scene.lights.push(Light { kind, direction: Vec3::NEG_Y, ..Light::default() });
+    let (kind, intensity) = (LightKind::Directional, 1000.0);
+    scene.lights.push(Light { kind, intensity, ..Light::default() });
     let camera = Camera::look_at(Vec3::new(0.0, 0.5, 4.0), Vec3::ZERO, 0.2);
     scene.cameras.push(camera);
     scene.validate().expect("a valid scene");

@@ -45,10 +45,10 @@ pub(super) fn scene() -> Scene {
 
     scene.lights.push(Light {
         name: "sun".to_owned(),
-        kind: LightKind::Directional { illuminance_lux: 80_000.0, angular_radius_rad: 0.004_65 },
+        intensity: 80_000.0,
         color: Vec3::new(1.0, 0.96, 0.90),
         direction: Vec3::new(0.35, -1.0, 0.62).normalize(),
-        ..Light::default()
+        ..Light::typical(LightKind::Directional)
     });
     scene.environment =
         Environment { radiance: Vec3::new(2000.0, 2800.0, 4000.0), ..Environment::default() };

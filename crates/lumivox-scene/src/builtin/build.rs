@@ -4,8 +4,8 @@ use glam::{Mat4, Vec3};
 
 use super::shapes::{Faces, cuboid};
 use crate::{
-    Filter, Instance, Light, LightKind, Material, Mesh, MetallicRoughness, Sampler, Scene, Shading,
-    Texture, TextureRef, Wrap,
+    Filter, Instance, Light, Material, Mesh, MetallicRoughness, Sampler, Scene, Shading, Texture,
+    TextureRef, Wrap,
 };
 
 /// Albedo of white paint, as in the Cornell box.
@@ -58,7 +58,7 @@ pub(crate) fn glowing(scene: &mut Scene, name: &str, radiance: Vec3) -> usize {
 pub(crate) fn point_light(scene: &mut Scene, name: &str, position: Vec3, intensity_cd: f32) {
     scene.lights.push(Light {
         name: name.to_owned(),
-        kind: LightKind::Point { intensity_cd, range_m: None },
+        intensity: intensity_cd,
         position,
         radius_m: 0.03,
         ..Light::default()
@@ -124,7 +124,7 @@ impl Lamp {
 
         scene.lights.push(Light {
             name: "lamp".to_owned(),
-            kind: LightKind::Point { intensity_cd: self.intensity_cd, range_m: None },
+            intensity: self.intensity_cd,
             position: self.top - Vec3::Y * (self.drop_m + LAMP_LIGHT_DROP_M),
             // Smaller than the distance to the face, so that the sphere does not touch it.
             radius_m: 0.03,

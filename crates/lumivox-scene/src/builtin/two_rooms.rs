@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::build::{RED, WHITE, diffuse, place};
 use super::shapes::{merge, quad};
-use crate::{Camera, Light, LightKind, Mesh, Scene};
+use crate::{Camera, Light, Mesh, Scene};
 
 const WALL_HALF_M: f32 = 0.0025;
 /// The doorway, 0.8 m wide and 1.6 m high, nearer to the wall at +z.
@@ -39,7 +39,7 @@ pub(super) fn scene(doorway: bool) -> Scene {
 
     scene.lights.push(Light {
         name: "lamp in the lit room".to_owned(),
-        kind: LightKind::Point { intensity_cd: 30.0, range_m: None },
+        intensity: 30.0,
         position: Vec3::new(-1.0, 1.6, 0.0),
         radius_m: 0.05,
         ..Light::default()

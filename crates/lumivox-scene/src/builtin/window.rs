@@ -46,10 +46,10 @@ pub(super) fn scene() -> Scene {
 
     scene.lights.push(Light {
         name: "sun".to_owned(),
-        kind: LightKind::Directional { illuminance_lux: 60_000.0, angular_radius_rad: 0.004_65 },
+        intensity: 60_000.0,
         color: Vec3::new(1.0, 0.93, 0.82),
         direction: Vec3::new(-1.0, -0.62, 0.35).normalize(),
-        ..Light::default()
+        ..Light::typical(LightKind::Directional)
     });
     scene.environment =
         Environment { radiance: Vec3::new(2500.0, 3300.0, 4500.0), ..Environment::default() };

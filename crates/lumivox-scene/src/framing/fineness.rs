@@ -12,7 +12,7 @@ use super::rays::Rays;
 use super::sight::{Note, three_digits};
 use super::soup::Unit;
 use super::survey::Patch;
-use crate::{Bounds, Light, LightKind};
+use crate::{Bounds, Light};
 
 /// Rays from each visible point.
 const DIRECTIONS: usize = 16;
@@ -68,30 +68,27 @@ impl ShadowMapFineness {
         distance: impl Fn(f32, Vec3) -> Option<f32>,
     ) -> Option<Shade> {
         let to_light = light.position - position;
-        let (way, reach_m) = match light.kind {
-            LightKind::Directional { .. } => (-light.direction, f32::INFINITY),
-            LightKind::Point { .. } | LightKind::Spot { .. } => {
-                (to_light.normalize_or_zero(), to_light.length())
-            }
+        let (way, reach_m) = if light.kind.is_parallel() {
+            (-light.direction, f32::INFINITY)
+        } else {
+            (to_light.normalize_or_zero(), to_light.length())
         };
-        let half_m = match light.kind {
-            LightKind::Directional { .. } => {
-                let whole_m = bounds.radius_m();
-                let half_m = |square: u32| match (square.checked_sub(1), self.reach_m) {
-                    (None, _) => whole_m,
-                    (Some(below), Some(reach_m)) => reach_m / self.step.powi(below as i32),
-                    (_, None) => whole_m / self.step.powi(square as i32),
-                };
-                let reaches = |square: &u32| position.distance(camera) < half_m(*square);
-                half_m((1..=self.squares).rev().find(reaches).unwrap_or(0)).min(whole_m)
+        let half_m = if light.kind.is_parallel() {
+            let whole_m = bounds.radius_m();
+            let half_m = |square: u32| match (square.checked_sub(1), self.reach_m) {
+                (None, _) => whole_m,
+                (Some(below), Some(reach_m)) => reach_m / self.step.powi(below as i32),
+                (_, None) => whole_m / self.step.powi(square as i32),
+            };
+            let reaches = |square: &u32| position.distance(camera) < half_m(*square);
+            half_m((1..=self.squares).rev().find(reaches).unwrap_or(0)).min(whole_m)
+        } else if let Some([_, outer_angle_rad]) = light.cone_rad() {
+            if light.direction.dot(-way) < outer_angle_rad.cos() {
+                return None;
             }
-            LightKind::Point { .. } => reach_m,
-            LightKind::Spot { outer_angle_rad, .. } => {
-                if light.direction.dot(-way) < outer_angle_rad.cos() {
-                    return None;
-                }
-                reach_m * outer_angle_rad.min(1.3).tan()
-            }
+            reach_m * outer_angle_rad.min(1.3).tan()
+        } else {
+            reach_m
         };
         let is_shaded =
             |above_m| distance(above_m, way).is_some_and(|blocked_m| blocked_m < reach_m);

@@ -15,7 +15,7 @@ use super::directions;
 use super::rays::Rays;
 use super::soup::Unit;
 use super::survey::Probe;
-use crate::{Light, LightKind};
+use crate::Light;
 
 /// The target mean illuminance: that of a living room or an office.
 const MEAN_LUX: f32 = 300.0;
@@ -50,10 +50,7 @@ impl Lamp {
         let intensity_cd = self.intensity * unit.scale_m * unit.scale_m;
         Light {
             name: "default lamp".to_owned(),
-            kind: LightKind::Point {
-                intensity_cd: intensity_cd.clamp(f32::MIN_POSITIVE, f32::MAX),
-                range_m: None,
-            },
+            intensity: intensity_cd.clamp(f32::MIN_POSITIVE, f32::MAX),
             position: unit.world_from_unit(self.position),
             radius_m: self.radius * unit.scale_m,
             ..Light::default()

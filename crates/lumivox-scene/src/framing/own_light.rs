@@ -12,10 +12,9 @@ use glam::{Vec2, Vec3};
 use super::directions;
 use super::emission::{Emission, Emitter, luminance};
 use super::rays::{Hit, Rays};
-use super::shines::strength;
 use super::soup::Unit;
 use super::survey::Patch;
-use crate::{Camera, Light, LightKind, Scene};
+use crate::{Camera, Light, Scene};
 
 /// Rays from the eye, across and down the picture.
 const LOOKS: [usize; 2] = [24, 14];
@@ -68,7 +67,7 @@ impl OwnLight {
     pub(super) fn at(points: &[Patch], scene: &Scene, rays: &Rays, unit: Unit) -> Self {
         let emission = Emission::of(scene, unit);
         let mut lights: Vec<&Light> = scene.lights.iter().collect();
-        lights.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
+        lights.sort_by(|a, b| b.intensity.total_cmp(&a.intensity));
         lights.truncate(LAMPS);
         let environment = &scene.environment;
         let map = environment.map.as_ref().map_or(Vec3::ONE, |map| map.mean_radiance());
@@ -163,8 +162,8 @@ pub(super) fn seen(
 
 /// The illuminance of a point by a lamp.
 fn lux(rays: &Rays, unit: Unit, light: &Light, point: &Patch) -> f32 {
-    let strength = strength(light) * luminance(light.color);
-    if let LightKind::Directional { .. } = light.kind {
+    let strength = light.intensity * luminance(light.color);
+    if light.kind.is_parallel() {
         let towards = -light.direction;
         let cosine = towards.dot(point.normal);
         let arrives = cosine > 0.0 && rays.is_free(point.position, towards, f32::INFINITY);
@@ -174,12 +173,8 @@ fn lux(rays: &Rays, unit: Unit, light: &Light, point: &Patch) -> f32 {
     let distance = way.length();
     let towards = way / distance;
     let cosine = towards.dot(point.normal);
-    let is_in_cone = match light.kind {
-        LightKind::Spot { outer_angle_rad, .. } => {
-            light.direction.dot(-towards) >= outer_angle_rad.cos()
-        }
-        _ => true,
-    };
+    let is_in_cone =
+        light.cone_rad().is_none_or(|[_, outer]| light.direction.dot(-towards) >= outer.cos());
     if cosine > 0.0 && is_in_cone && rays.is_free(point.position, way, 1.0) {
         strength * cosine / (distance * unit.scale_m).powi(2)
     } else {

@@ -1,6 +1,6 @@
 //! Whether a scene has any light.
 
-use crate::{EnvironmentMap, Light, LightKind, Material, Scene, Shading, Texture};
+use crate::{EnvironmentMap, Light, Material, Scene, Shading, Texture};
 
 /// Texels up to this code (of 255) count as black: compression makes black images a little grey.
 const BLACK: u8 = 8;
@@ -39,16 +39,7 @@ pub(super) fn surroundings_shine(scene: &Scene) -> bool {
 }
 
 fn light_shines(light: &Light) -> bool {
-    strength(light) * light.color.max_element() > 0.0
-}
-
-/// The illuminance of a sun in lux, the intensity of a lamp in cd.
-pub(super) fn strength(light: &Light) -> f32 {
-    match light.kind {
-        LightKind::Directional { illuminance_lux: strength, .. }
-        | LightKind::Point { intensity_cd: strength, .. }
-        | LightKind::Spot { intensity_cd: strength, .. } => strength,
-    }
+    light.intensity * light.color.max_element() > 0.0
 }
 
 /// Whether a material emits. Exporters often switch emission on, and leave the dark to a black

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{Mat3, Mat4, Vec3};
 
 use super::LoadOptions;
-use crate::{LightKind, Scene, SceneError};
+use crate::{Scene, SceneError};
 
 /// The axis of a file that points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -73,16 +73,11 @@ pub(super) fn apply(
             attenuation.linear /= unit_m;
             attenuation.quadratic /= unit_m * unit_m;
             // The light that arrives at a metre gives the strength.
-            if let LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } =
-                &mut light.kind
-            {
-                *intensity_cd *= attenuation.at(1.0) / at_a_metre;
+            if !light.kind.is_parallel() {
+                light.intensity *= attenuation.at(1.0) / at_a_metre;
             }
         }
-        if let LightKind::Point { range_m, .. } | LightKind::Spot { range_m, .. } = &mut light.kind
-        {
-            *range_m = range_m.map(|range_m| range_m * unit_m);
-        }
+        light.range_m = light.range_m.map(|range_m| range_m * unit_m);
     }
     if let Some(bounds) = &mut scene.grid_bounds {
         bounds.min *= unit_m;
@@ -115,12 +110,14 @@ mod tests {
         let mut scene = crate::builtin::scene("cornell").unwrap();
         scene.lights.push(crate::Light {
             name: "lamp".to_owned(),
-            kind: LightKind::Point { intensity_cd: 5.0, range_m: Some(4.0) },
+            intensity: 5.0,
+            range_m: Some(4.0),
             color: Vec3::ONE,
             position: Vec3::new(1.0, 2.0, 3.0),
             direction: Vec3::NEG_Z,
             radius_m: 0.5,
             attenuation: Some(Attenuation { constant: 1.0, linear: 0.5, quadratic: 3.0 }),
+            ..crate::Light::default()
         });
         scene.grid_bounds = Some(Bounds { min: Vec3::NEG_ONE, max: Vec3::new(1.0, 2.0, 3.0) });
         let before = scene.bounds();
@@ -138,9 +135,8 @@ mod tests {
         let grid = Bounds { min: Vec3::new(-0.5, -0.5, -1.0), max: Vec3::new(0.5, 1.5, 0.5) };
         assert_eq!(scene.grid_bounds, Some(grid));
         // Its colour, which VXCT multiplies by that share, stays: a metre is twice as far for it.
-        let LightKind::Point { intensity_cd, range_m } = lamp.kind else { panic!("a lamp") };
-        assert!((intensity_cd - 5.0 * 4.5 / 14.0).abs() < 1e-6, "{intensity_cd}");
-        assert_eq!(range_m, Some(2.0));
+        assert!((lamp.intensity - 5.0 * 4.5 / 14.0).abs() < 1e-6, "{}", lamp.intensity);
+        assert_eq!(lamp.range_m, Some(2.0));
     }
 
     #[test]

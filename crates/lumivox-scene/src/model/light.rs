@@ -1,27 +1,44 @@
 //! Lights and the surroundings.
 
+use std::f32::consts::FRAC_PI_4;
 use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::light_fields::{LIGHT_FIELDS, LightField};
+
 /// A light for analytic direct lighting. It is invisible: a lamp that should be seen needs an
-/// emissive surface, too.
+/// emissive surface, too. [`LIGHT_FIELDS`] lists the fields of each kind, with ranges; the others
+/// are ignored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// A name for lists and messages.
     pub name: String,
-    /// The kind and strength of the light.
+    /// The kind of light. Default: a point light.
     pub kind: LightKind,
-    /// Linear RGB factor of the intensity or illuminance. Default: white (1, 1, 1).
+    /// Luminous intensity in candela, of a spot light inside its inner cone; of a directional
+    /// light, illuminance in lux of a surface that faces it (noon sun: about 100 000). Default: 1.
+    pub intensity: f32,
+    /// Linear RGB factor of the intensity. Default: white (1, 1, 1).
     pub color: Vec3,
-    /// World position in metres; ignored for a directional light.
+    /// World position in metres. Default: the origin.
     pub position: Vec3,
-    /// Unit vector along which the light travels; ignored for a point light. Default: -y.
+    /// Unit vector along which the light travels. Default: -y.
     pub direction: Vec3,
     /// Radius of the luminous sphere in metres, only for soft shadows; the intensity stays the
-    /// same. Default: 0, a point with hard shadows. The kind of a directional light has an angular
-    /// radius instead.
+    /// same. Default: 0, a point with hard shadows.
     pub radius_m: f32,
+    /// Distance in metres beyond which the light may be cut off. Default: `None`, which is
+    /// unlimited, the physical choice.
+    pub range_m: Option<f32>,
+    /// Angle from the axis of a spot light at which its intensity reaches zero, in radians.
+    /// Default: pi/4.
+    pub outer_angle_rad: f32,
+    /// Angle from the axis at which the intensity begins to fall, in radians. Default: 0.
+    pub inner_angle_rad: f32,
+    /// Half the angular diameter of a directional light, in radians; the sun has 0.00465. Default:
+    /// 0, hard shadows.
+    pub angular_radius_rad: f32,
     /// The fall-off in looks without physical units. Default: none, which means the inverse square.
     /// Physical renderers ignore it.
     pub attenuation: Option<Attenuation>,
@@ -63,48 +80,107 @@ impl Default for Light {
     fn default() -> Self {
         Self {
             name: "light".to_owned(),
-            kind: LightKind::Point { intensity_cd: 1.0, range_m: None },
+            kind: LightKind::Point,
+            intensity: 1.0,
             color: Vec3::ONE,
             position: Vec3::ZERO,
             direction: Vec3::NEG_Y,
             radius_m: 0.0,
+            range_m: None,
+            outer_angle_rad: FRAC_PI_4,
+            inner_angle_rad: 0.0,
+            angular_radius_rad: 0.0,
             attenuation: None,
         }
     }
 }
 
-/// The kinds of light of the glTF extension `KHR_lights_punctual`, in its units.
-#[derive(Clone, Copy, Debug, PartialEq)]
+impl Light {
+    /// A new light of a kind for somebody to place: a lamp of 100 cd, a noon sun from above.
+    pub fn typical(kind: LightKind) -> Self {
+        let lamp = Self { kind, intensity: 100.0, ..Self::default() };
+        match kind {
+            LightKind::Directional => {
+                Self { intensity: 100_000.0, angular_radius_rad: 0.004_65, ..lamp }
+            }
+            LightKind::Point => lamp,
+            LightKind::Spot => Self {
+                inner_angle_rad: 20.0_f32.to_radians(),
+                outer_angle_rad: 30.0_f32.to_radians(),
+                ..lamp
+            },
+        }
+    }
+
+    /// The inner and outer angle of its cone, in radians; `None` if it shines in all directions.
+    pub fn cone_rad(&self) -> Option<[f32; 2]> {
+        (self.kind == LightKind::Spot).then_some([self.inner_angle_rad, self.outer_angle_rad])
+    }
+
+    /// Illuminance in lux, without the colour, of a surface that faces the light at a distance.
+    pub fn illuminance_at(&self, distance_m: f32) -> f32 {
+        if self.kind.is_parallel() { self.intensity } else { self.intensity / distance_m.powi(2) }
+    }
+}
+
+/// The kinds of light, which are those of the glTF extension `KHR_lights_punctual`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightKind {
-    /// Parallel light from far away, such as the sun.
-    Directional {
-        /// Illuminance of a surface that faces the light, in lux; the sun at noon has about
-        /// 100 000.
-        illuminance_lux: f32,
-        /// Half the angular diameter of the source, in radians; the sun has 0.00465. 0 gives hard
-        /// shadows.
-        angular_radius_rad: f32,
-    },
     /// Light in all directions from a point.
-    Point {
-        /// Luminous intensity in candela, the same in every direction.
-        intensity_cd: f32,
-        /// Distance in metres beyond which the light may be cut off; `None` is unlimited, the
-        /// physical choice.
-        range_m: Option<f32>,
-    },
+    #[default]
+    Point,
     /// Light in a cone from a point.
-    Spot {
-        /// Luminous intensity in candela inside the inner cone.
-        intensity_cd: f32,
-        /// Distance in metres beyond which the light may be cut off; `None` is unlimited.
-        range_m: Option<f32>,
-        /// Angle from the axis at which the intensity begins to fall, in radians, at least 0.
-        inner_angle_rad: f32,
-        /// Angle from the axis at which it reaches zero, in radians, at least the inner angle and
-        /// at most pi/2.
-        outer_angle_rad: f32,
-    },
+    Spot,
+    /// Parallel light from far away, such as the sun.
+    Directional,
+}
+
+impl LightKind {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Point, Self::Spot, Self::Directional];
+
+    /// Its name in files and records.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Spot => "spot",
+            Self::Directional => "directional",
+        }
+    }
+
+    /// Its name for people: in the console and panels.
+    pub const fn word(self) -> &'static str {
+        if self.is_parallel() { "sun" } else { self.name() }
+    }
+
+    /// A sentence on it, without a full stop.
+    pub const fn summary(self) -> &'static str {
+        match self {
+            Self::Point => "A lamp that shines in all directions",
+            Self::Spot => "A lamp that shines into a cone",
+            Self::Directional => "Parallel light from far away",
+        }
+    }
+
+    /// The unit of its intensity.
+    pub const fn unit(self) -> &'static str {
+        if self.is_parallel() { "lux" } else { "cd" }
+    }
+
+    /// `true` if its light is parallel, from no position.
+    pub const fn is_parallel(self) -> bool {
+        matches!(self, Self::Directional)
+    }
+
+    /// `true` if it has the field of this name.
+    pub fn has(self, field: &str) -> bool {
+        self.fields().any(|own| own.name == field)
+    }
+
+    /// The fields that it has.
+    pub fn fields(self) -> impl Iterator<Item = &'static LightField> {
+        LIGHT_FIELDS.iter().filter(move |field| field.kinds.contains(&self))
+    }
 }
 
 /// The light from outside the scene, seen by rays that leave it.

@@ -3,6 +3,7 @@
 mod bounds;
 mod camera;
 mod light;
+mod light_fields;
 mod material;
 mod mesh;
 mod scene;
@@ -12,6 +13,7 @@ mod unit;
 pub use bounds::Bounds;
 pub use camera::Camera;
 pub use light::{Attenuation, Environment, EnvironmentMap, Light, LightKind};
+pub use light_fields::{LIGHT_FIELDS, LightField, LightForm, LightValue, degrees};
 pub use material::{
     AlphaMode, Clearcoat, Material, MetallicRoughness, Phong, Shading, Sheen, Strengths,
     Transmission, Unlit,

@@ -8,7 +8,7 @@ use super::document::{number, numbers, own_extras};
 use super::material::{Object, power_of_two_above};
 use crate::load::shorten;
 use crate::model::to_unit;
-use crate::{Attenuation, Camera, Instance, Light, LightKind, Scene};
+use crate::{Attenuation, Camera, Instance, Light, Scene};
 
 /// The instances that have anything to show, hidden ones included.
 pub(super) fn shown(scene: &Scene) -> impl Iterator<Item = &Instance> {
@@ -91,36 +91,30 @@ fn convert_light(light: &Light) -> Value {
     if let Some(Attenuation { constant, linear, quadratic }) = light.attenuation {
         own.set("attenuation", numbers(&[constant, linear, quadratic]));
     }
-    let (kind, intensity, range_m) = match light.kind {
-        LightKind::Directional { illuminance_lux, angular_radius_rad } => {
-            own.factor("angularRadiusRad", angular_radius_rad, 0.0);
-            ("directional", illuminance_lux, None)
-        }
-        LightKind::Point { intensity_cd, range_m } => ("point", intensity_cd, range_m),
-        LightKind::Spot { intensity_cd, range_m, inner_angle_rad, outer_angle_rad } => {
-            // glTF requires at most pi/2, which f32's own pi/2 exceeds, and an inner angle below
-            // the outer one. f64 has the digits for both; read as f32 they are unchanged.
-            let outer = f64::from(outer_angle_rad).min(std::f64::consts::FRAC_PI_2);
-            let inner = f64::from(inner_angle_rad).min(outer * (1.0 - 1e-12));
-            json.set("spot", json!({ "innerConeAngle": inner, "outerConeAngle": outer }));
-            ("spot", intensity_cd, range_m)
-        }
-    };
-    json.set("type", json!(kind));
-    if let Some(range_m) = range_m {
+    own.factor("angularRadiusRad", light.angular_radius_rad, 0.0);
+    if let Some([inner, outer]) = light.cone_rad() {
+        // glTF requires at most pi/2, which f32's own pi/2 exceeds, and an inner angle below the
+        // outer one. f64 has the digits for both; read as f32 they are unchanged.
+        let outer = f64::from(outer).min(std::f64::consts::FRAC_PI_2);
+        let inner = f64::from(inner).min(outer * (1.0 - 1e-12));
+        json.set("spot", json!({ "innerConeAngle": inner, "outerConeAngle": outer }));
+    }
+    json.set("type", json!(light.kind.name()));
+    if let Some(range_m) = light.range_m.filter(|_| light.kind.has("range")) {
         json.set("range", number(range_m));
     }
     // glTF's colours end at 1. A power of two moves to the intensity, without loss.
     let scale = power_of_two_above(light.color.max_element());
-    let (color, scaled) = (light.color / scale, intensity * scale);
-    let exact = color * scale == light.color && (scaled / scale).to_bits() == intensity.to_bits();
+    let (color, scaled) = (light.color / scale, light.intensity * scale);
+    let exact =
+        color * scale == light.color && (scaled / scale).to_bits() == light.intensity.to_bits();
     if scale > 1.0 && exact {
         own.set("colorScale", number(scale));
         json.set("color", numbers(color.as_ref()));
         json.set("intensity", number(scaled));
     } else {
         json.color("color", light.color, Vec3::ONE);
-        json.set("intensity", number(intensity));
+        json.set("intensity", number(light.intensity));
     }
     own_extras(&mut json.0, &own.0);
     Value::Object(json.0)

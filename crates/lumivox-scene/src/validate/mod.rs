@@ -9,8 +9,8 @@ use glam::{DMat3, DVec3, Mat4, Vec3};
 pub use outlier::Outlier;
 
 use crate::{
-    Attenuation, Bounds, Camera, Environment, Instance, Light, LightKind, Material, Mesh, Scene,
-    SceneError, Shading, Texture, model::to_unit,
+    Bounds, Camera, Environment, Instance, Light, Material, Mesh, Scene, SceneError, Shading,
+    Texture, model::to_unit,
 };
 
 impl Scene {
@@ -398,42 +398,15 @@ impl Check<'_> {
     }
 
     fn light(&self, light: &Light) -> Result<(), SceneError> {
-        let part = |what: &str| format!("light \"{}\", its {what}", light.name);
-        self.not_negative(&part("colour"), &light.color.to_array())?;
-        self.finite(|| part("position"), &light.position.to_array())?;
-        self.not_negative(&part("radius"), &[light.radius_m])?;
-        if let Some(Attenuation { constant, linear, quadratic }) = light.attenuation {
-            self.not_negative(&part("attenuation"), &[constant, linear, quadratic])?;
-            let sum = constant + linear + quadratic;
-            self.range(&part("attenuation's sum"), sum, sum > 0.0, "above 0")?;
+        // Files have positions of all kinds.
+        let position = || format!("light \"{}\", its position", light.name);
+        self.finite(position, &light.position.to_array())?;
+        for field in light.kind.fields() {
+            let part = format!("light \"{}\", its {}", light.name, field.title.to_lowercase());
+            let value = field.value(light).to_string();
+            field.check(light).map_err(|allowed| self.out_of_range(&part, value, &allowed))?;
         }
-        let range = |range_m: Option<f32>| match range_m {
-            Some(r) => self.range(&part("range"), r, r > 0.0, "above 0"),
-            None => Ok(()),
-        };
-        match light.kind {
-            LightKind::Directional { illuminance_lux, angular_radius_rad } => {
-                self.not_negative(&part("illuminance"), &[illuminance_lux])?;
-                self.not_negative(&part("angular radius"), &[angular_radius_rad])?;
-                self.direction(&part("direction"), light.direction)
-            }
-            LightKind::Point { intensity_cd, range_m } => {
-                self.not_negative(&part("intensity"), &[intensity_cd])?;
-                range(range_m)
-            }
-            LightKind::Spot { intensity_cd, range_m, inner_angle_rad, outer_angle_rad } => {
-                self.not_negative(&part("intensity"), &[intensity_cd])?;
-                range(range_m)?;
-                // f32's pi/2 itself is allowed, and so are values that a file rounds up from it.
-                let widest = std::f32::consts::FRAC_PI_2 + 1e-5;
-                let fits = outer_angle_rad > 0.0 && outer_angle_rad <= widest;
-                self.range(&part("outer angle"), outer_angle_rad, fits, "above 0, at most pi/2")?;
-                let fits = (0.0..=outer_angle_rad).contains(&inner_angle_rad);
-                let expected = "from 0 to the outer angle";
-                self.range(&part("inner angle"), inner_angle_rad, fits, expected)?;
-                self.direction(&part("direction"), light.direction)
-            }
-        }
+        Ok(())
     }
 
     fn direction(&self, part: &str, direction: Vec3) -> Result<(), SceneError> {

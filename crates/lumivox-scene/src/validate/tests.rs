@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec4};
 
 use super::*;
-use crate::{AlphaMode, TextureRef};
+use crate::{AlphaMode, LightKind, TextureRef};
 
 fn triangle() -> Scene {
     Scene {
@@ -117,12 +117,10 @@ fn lights_and_cameras_have_ranges() {
     let spot = |inner: f32, outer: f32| {
         move |s: &mut Scene| {
             s.lights.push(Light {
-                kind: LightKind::Spot {
-                    intensity_cd: 1.0,
-                    range_m: None,
-                    inner_angle_rad: inner,
-                    outer_angle_rad: outer,
-                },
+                kind: LightKind::Spot,
+                intensity: 1.0,
+                inner_angle_rad: inner,
+                outer_angle_rad: outer,
                 ..Light::default()
             });
         }

@@ -78,21 +78,16 @@ fn lights_take_their_place_from_nodes() {
     assert_eq!(sun.name, "sun");
     assert_eq!(sun.color, Vec3::new(1.0, 0.5, 0.25));
     assert!((sun.direction - Vec3::NEG_Y).length() < 1e-6, "{}", sun.direction);
-    assert!(matches!(sun.kind, LightKind::Directional { illuminance_lux: 1000.0, .. }));
-    assert_eq!(scene.lights[1].kind, LightKind::Point { intensity_cd: 40.0, range_m: Some(7.0) });
-    assert_eq!(scene.lights[1].position, Vec3::new(1.0, 2.0, 3.0));
-    let LightKind::Spot { inner_angle_rad, outer_angle_rad, .. } = scene.lights[2].kind else {
-        panic!("a spot");
-    };
-    assert!((inner_angle_rad, outer_angle_rad) == (0.2, 0.6));
+    assert_eq!((sun.kind, sun.intensity), (LightKind::Directional, 1000.0));
+    let lamp = &scene.lights[1];
+    assert_eq!((lamp.kind, lamp.intensity), (LightKind::Point, 40.0));
+    assert_eq!((lamp.range_m, lamp.position), (Some(7.0), Vec3::new(1.0, 2.0, 3.0)));
+    assert_eq!(scene.lights[2].cone_rad(), Some([0.2, 0.6]));
     // Files round: an inner angle above the outer one by that means a sharp edge.
     let spot = &mut file.json["extensions"]["KHR_lights_punctual"]["lights"][2]["spot"];
     spot["innerConeAngle"] = json!(0.600_001);
     let scene = file.load().unwrap();
-    let LightKind::Spot { inner_angle_rad, outer_angle_rad, .. } = scene.lights[2].kind else {
-        panic!("a spot");
-    };
-    assert!((inner_angle_rad, outer_angle_rad) == (0.6, 0.6));
+    assert_eq!(scene.lights[2].cone_rad(), Some([0.6, 0.6]));
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn vxct_light(position: Vec3, color: Vec3) -> Light {
     let attenuation = Attenuation::default();
     let at_one_metre = attenuation.constant + attenuation.linear + attenuation.quadratic;
     Light {
-        kind: LightKind::Point { intensity_cd: PI / at_one_metre, range_m: None },
+        intensity: PI / at_one_metre,
         color,
         position,
         attenuation: Some(attenuation),
@@ -203,7 +203,7 @@ fn lamps_of_other_scenes_fade_as_vxcts() {
     let mut scene = Scene { name: "hall".to_owned(), ..Scene::default() };
     add_square(&mut scene, Vec3::ZERO, UP, 4.0, Material::diffuse("white", Vec3::ONE));
     scene.lights.push(Light {
-        kind: LightKind::Point { intensity_cd: 5.0, range_m: None },
+        intensity: 5.0,
         position: Vec3::new(0.0, 2.0, 0.0),
         ..Light::default()
     });
@@ -265,7 +265,8 @@ fn one_side_is_seen() {
 #[test]
 fn suns_shine_as_bright_as_they_are() {
     let sun = Light {
-        kind: LightKind::Directional { illuminance_lux: 3.0, angular_radius_rad: 0.0 },
+        kind: LightKind::Directional,
+        intensity: 3.0,
         direction: Vec3::new(0.6, -0.8, 0.0),
         position: Vec3::splat(7.0),
         ..Light::default()

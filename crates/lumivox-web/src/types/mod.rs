@@ -17,7 +17,7 @@ use tsify::Tsify;
 
 pub use camera::Camera;
 pub use environment::{EnvironmentChange, EnvironmentInfo};
-pub use light::{Light, LightKind};
+pub use light::{Light, LightKindInfo, declarations as light_declarations};
 pub use material::{Material, MaterialChange, Shading};
 pub use parameter::ParameterInfo;
 pub use photometry::{HistogramInfo, LightHere};
@@ -90,6 +90,7 @@ pub struct SceneInfo {
     /// Names of materials.
     pub materials: Vec<String>,
     /// All lights, including those that were added to a scene with too little light.
+    #[tsify(type = "Light[]")]
     pub lights: Vec<Light>,
     /// The surroundings.
     pub environment: EnvironmentInfo,

@@ -7,7 +7,7 @@ use bevy::image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::mesh::{Indices, PrimitiveTopology, UvChannel};
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-use lumivox_scene::{self as lumivox, LightKind, Scene, Shading};
+use lumivox_scene::{self as lumivox, Scene, Shading};
 
 /// The spawned entities.
 pub struct Spawned {
@@ -151,42 +151,38 @@ fn light(world: &mut World, given: &lumivox::Light) -> Entity {
     let color = Color::linear_rgb(given.color.x, given.color.y, given.color.z);
     let transform = Transform::from_translation(given.position)
         .looking_to(given.direction, given.direction.any_orthonormal_vector());
-    match given.kind {
-        LightKind::Directional { illuminance_lux, .. } => {
-            let sun = DirectionalLight {
-                color,
-                illuminance: illuminance_lux,
-                shadow_maps_enabled: true,
-                ..DirectionalLight::default()
-            };
-            world.spawn((sun, transform)).id()
-        }
-        LightKind::Point { intensity_cd, range_m } => {
-            let lamp = PointLight {
-                color,
-                intensity: 4.0 * PI * intensity_cd,
-                range: range_m.unwrap_or(1e3),
-                radius: given.radius_m,
-                // Lamps hang closer to their bodies than Bevy's default of 0.1 m.
-                shadow_map_near_z: 0.01,
-                shadow_maps_enabled: true,
-                ..PointLight::default()
-            };
-            world.spawn((lamp, transform)).id()
-        }
-        LightKind::Spot { intensity_cd, range_m, inner_angle_rad, outer_angle_rad } => {
-            let lamp = SpotLight {
-                color,
-                intensity: 4.0 * PI * intensity_cd,
-                range: range_m.unwrap_or(1e3),
-                radius: given.radius_m,
-                inner_angle: inner_angle_rad,
-                outer_angle: outer_angle_rad,
-                shadow_map_near_z: 0.01,
-                shadow_maps_enabled: true,
-                ..SpotLight::default()
-            };
-            world.spawn((lamp, transform)).id()
-        }
+    if given.kind.is_parallel() {
+        let sun = DirectionalLight {
+            color,
+            illuminance: given.intensity,
+            shadow_maps_enabled: true,
+            ..DirectionalLight::default()
+        };
+        world.spawn((sun, transform)).id()
+    } else if let Some([inner_angle, outer_angle]) = given.cone_rad() {
+        let lamp = SpotLight {
+            color,
+            intensity: 4.0 * PI * given.intensity,
+            range: given.range_m.unwrap_or(1e3),
+            radius: given.radius_m,
+            inner_angle,
+            outer_angle,
+            shadow_map_near_z: 0.01,
+            shadow_maps_enabled: true,
+            ..SpotLight::default()
+        };
+        world.spawn((lamp, transform)).id()
+    } else {
+        let lamp = PointLight {
+            color,
+            intensity: 4.0 * PI * given.intensity,
+            range: given.range_m.unwrap_or(1e3),
+            radius: given.radius_m,
+            // Lamps hang closer to their bodies than Bevy's default of 0.1 m.
+            shadow_map_near_z: 0.01,
+            shadow_maps_enabled: true,
+            ..PointLight::default()
+        };
+        world.spawn((lamp, transform)).id()
     }
 }

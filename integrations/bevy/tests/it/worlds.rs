@@ -174,10 +174,9 @@ fn a_sun_is_as_bright_as_it_is() {
         material.emissive = Vec3::ZERO;
     }
     given.lights = vec![lumivox_scene::Light {
-        kind: lumivox_scene::LightKind::Directional {
-            illuminance_lux: 40.0,
-            angular_radius_rad: 0.01,
-        },
+        kind: lumivox_scene::LightKind::Directional,
+        intensity: 40.0,
+        angular_radius_rad: 0.01,
         direction: Vec3::new(0.35, -0.5, -0.8).normalize(),
         ..given.lights.first().cloned().unwrap_or_default()
     }];

@@ -1,7 +1,7 @@
 //! The moving cases: a block and a lamp that move in a scene, a little in every frame.
 
 use glam::{Mat4, Vec2, Vec3, Vec3Swizzles as _};
-use lumivox_scene::{Bounds, Instance, Light, LightKind, Material, Mesh, Scene};
+use lumivox_scene::{Bounds, Instance, Light, Material, Mesh, Scene};
 
 /// The edge of the block, as a share of the scene's shortest side.
 const BLOCK_SHARE: f32 = 0.12;
@@ -62,15 +62,12 @@ impl MovingScene {
         let Some((light, rest)) = self.scene.lights.first_mut().zip(self.light.as_ref()) else {
             return;
         };
-        match light.kind {
-            LightKind::Directional { .. } => {
-                light.direction = Mat4::from_rotation_y(SUN_TURN_RAD * turn.y)
-                    .transform_vector3(rest.direction)
-                    .normalize();
-            }
-            LightKind::Point { .. } | LightKind::Spot { .. } => {
-                light.position = rest.position + LAMP_REACH * around;
-            }
+        if light.kind.is_parallel() {
+            light.direction = Mat4::from_rotation_y(SUN_TURN_RAD * turn.y)
+                .transform_vector3(rest.direction)
+                .normalize();
+        } else {
+            light.position = rest.position + LAMP_REACH * around;
         }
     }
 }

@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::{Mat4, Quat, Vec3};
 use lumivox_console::Failure;
-use lumivox_scene::{Camera, Instance, Light, LightKind, Mesh, Scene};
+use lumivox_scene::{Camera, Instance, Light, Mesh, Scene};
 
 /// A moment of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,8 +87,7 @@ pub(super) fn lamp(start: &Start, step: &Step) -> Pose {
     let share = if step.phase == 1 { step.share } else { 0.0 };
     let size = start.scene.bounds().size();
     let way = Vec3::new(0.3, -0.25, 0.2) * size * share;
-    let lamp =
-        pose.lights.iter_mut().find(|light| !matches!(light.kind, LightKind::Directional { .. }));
+    let lamp = pose.lights.iter_mut().find(|light| !light.kind.is_parallel());
     if let Some(lamp) = lamp {
         lamp.position += way;
     }
@@ -98,7 +97,7 @@ pub(super) fn lamp(start: &Start, step: &Step) -> Pose {
 pub(super) fn switch(start: &Start, step: &Step) -> Pose {
     let mut pose = Pose::of(start);
     if step.phase == 1 {
-        pose.lights.retain(|light| matches!(light.kind, LightKind::Directional { .. }));
+        pose.lights.retain(|light| light.kind.is_parallel());
     }
     pose
 }
@@ -151,7 +150,7 @@ pub(super) fn sun(start: &Start, step: &Step) -> Pose {
     let mut pose = Pose::of(start);
     let angle_rad = HALF_ARC_RAD * (2.0 * progress(step, 1) - 1.0);
     for light in &mut pose.lights {
-        if matches!(light.kind, LightKind::Directional { .. }) {
+        if light.kind.is_parallel() {
             let noon = Vec3::new(0.0, light.direction.y, light.direction.z).normalize();
             light.direction = Quat::from_rotation_z(angle_rad) * noon;
         }

@@ -4,7 +4,7 @@
 //! of a phase. A pose depends only on the scene at the start and the step.
 
 use lumivox_console::Failure;
-use lumivox_scene::{LightKind, Scene};
+use lumivox_scene::Scene;
 
 use super::moves::{
     BLOCK, DOOR, Pose, Start, Step, add_door, animation, block, dolly, door, lamp, orbit, sun,
@@ -259,8 +259,7 @@ impl Sequence {
 }
 
 fn needs_lamp(scene: &mut Scene) -> Result<(), Failure> {
-    let has_lamp =
-        scene.lights.iter().any(|light| !matches!(light.kind, LightKind::Directional { .. }));
+    let has_lamp = scene.lights.iter().any(|light| !light.kind.is_parallel());
     if has_lamp {
         return Ok(());
     }

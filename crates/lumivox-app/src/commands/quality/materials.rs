@@ -128,13 +128,12 @@ const LIGHTS: [(&str, Shine); 8] =
         }),
         ("sun", |scene| {
             let direction = -Vec3::new(0.5, 0.7, 0.5).normalize();
-            let kind = LightKind::Directional { illuminance_lux: 3.0, angular_radius_rad: 0.00465 };
-            scene.lights.push(Light { kind, direction, ..Light::default() });
+            let sun = Light::typical(LightKind::Directional);
+            scene.lights.push(Light { intensity: 3.0, direction, ..sun });
         }),
         ("point lamp", |scene| {
-            let kind = LightKind::Point { intensity_cd: 30.0, range_m: None };
-            let position = Vec3::new(1.5, 2.0, 3.0);
-            scene.lights.push(Light { kind, position, radius_m: 0.1, ..Light::default() });
+            let (intensity, position) = (30.0, Vec3::new(1.5, 2.0, 3.0));
+            scene.lights.push(Light { intensity, position, radius_m: 0.1, ..Light::default() });
         }),
         ("panel", |scene| {
             glow(scene, Vec3::new(0.0, 2.5, 1.0), [Vec3::X, Vec3::new(0.0, 0.6, -0.8)], 3.0);

@@ -3,7 +3,7 @@
 use egui::{DragValue, RichText, Ui, vec2};
 use glam::Vec3;
 use lumivox_console::quote;
-use lumivox_scene::{Light, LightKind};
+use lumivox_scene::{Light, LightField, LightForm, LightKind, LightValue};
 
 use super::icons::{self, Icon};
 use super::widgets::{item, row, vector, weak};
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, scene: &SceneModel, outbox: &mut Outbox) {
             let (rect, _) = ui.allocate_exact_size(vec2(12.0, 12.0), egui::Sense::hover());
             ui.painter().circle_filled(rect.center(), 5.0, screen_color(light.color));
             let label = item(ui, is_chosen, RichText::new(name), 22.0);
-            if label.on_hover_text(kind_name(light)).clicked() {
+            if label.on_hover_text(light.kind.word()).clicked() {
                 outbox.select((!is_chosen).then(|| Selected::Light(name.clone())));
             }
             if icons::button(ui, Icon::Cross, theme::WEAK, &format!("Remove {name}")).clicked() {
@@ -36,13 +36,9 @@ pub fn show(ui: &mut Ui, scene: &SceneModel, outbox: &mut Outbox) {
     }
     ui.horizontal(|ui| {
         weak(ui, "Add");
-        for (kind, tip) in [
-            ("point", "A lamp that shines to all sides"),
-            ("spot", "A lamp that shines into a cone"),
-            ("sun", "Parallel light from far away"),
-        ] {
-            if ui.button(kind).on_hover_text(tip).clicked() {
-                outbox.line(format!("add_light {kind}"));
+        for kind in LightKind::ALL {
+            if ui.button(kind.word()).on_hover_text(kind.summary()).clicked() {
+                outbox.line(format!("add_light {}", kind.word()));
             }
         }
     });
@@ -50,69 +46,72 @@ pub fn show(ui: &mut Ui, scene: &SceneModel, outbox: &mut Outbox) {
 }
 
 fn chosen(ui: &mut Ui, name: &str, light: &Light, outbox: &mut Outbox) {
-    let quoted_name = quote(name);
-    let set = |property: &str| format!("light {quoted_name} {property}");
-    row(ui, "Colour", "Linear red, green and blue; the strength is apart", |ui| {
-        let key = set("color");
-        let mut color = outbox.numbers(&key, light.color.to_array());
-        if ui.color_edit_button_rgb(&mut color).changed() {
-            let [r, g, b] = color;
-            outbox.set_numbers(&key, color, format!("{key} {r} {g} {b}"));
+    for field in light.kind.fields() {
+        let key = format!("light {} {}", quote(name), field.name);
+        let now = match field.value(light) {
+            LightValue::Number(number) => [number as f32, 0.0, 0.0],
+            LightValue::Vector(vector) => vector.map(|number| number as f32),
+            LightValue::None | LightValue::Text(_) => [0.0; 3],
+        };
+        match field.form.parts() {
+            None => number(ui, outbox, (field, light), &key, now[0]),
+            Some(_) if field.form == LightForm::Color => {
+                row(ui, field.title, field.summary, |ui| {
+                    let mut color = outbox.numbers(&key, now);
+                    if ui.color_edit_button_rgb(&mut color).changed() {
+                        outbox.set_numbers(&key, color, line(&key, &color, false));
+                    }
+                });
+            }
+            Some(names) => {
+                let unit = field.unit(light.kind);
+                let comma = if unit.is_empty() { "" } else { ", " };
+                weak(ui, format!("{}{comma}{unit}", field.title));
+                let mut numbers = outbox.numbers(&key, now);
+                let changed = ui.push_id(&key, |ui| {
+                    ui.horizontal(|ui| vector(ui, &mut numbers, 0.01, 3, names)).inner
+                });
+                // A direction must not be zero; an optional vector of zeros is none.
+                let is_zero = numbers.iter().all(|number| *number == 0.0);
+                if changed.inner && !(is_zero && field.form == LightForm::Direction) {
+                    outbox.set_numbers(&key, numbers, line(&key, &numbers, field.is_optional()));
+                }
+            }
         }
-    });
-    let (strength, unit) = match light.kind {
-        LightKind::Directional { illuminance_lux, .. } => (illuminance_lux, "lux"),
-        LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
-            (intensity_cd, "cd")
-        }
-    };
-    number(ui, outbox, "Strength", &set("strength"), strength, unit, (0.0, f32::MAX));
-    let is_sun = matches!(light.kind, LightKind::Directional { .. });
-    if !is_sun {
-        three(ui, outbox, "Position, m", &set("position"), light.position, 0.01);
-        number(ui, outbox, "Radius", &set("radius"), light.radius_m, "m", (0.0, f32::MAX));
-    }
-    if !matches!(light.kind, LightKind::Point { .. }) {
-        three(ui, outbox, "Direction", &set("direction"), light.direction, 0.01);
     }
 }
 
-fn number(
-    ui: &mut Ui,
-    outbox: &mut Outbox,
-    title: &str,
-    key: &str,
-    now: f32,
-    unit: &str,
-    (low, high): (f32, f32),
-) {
-    row(ui, title, "", |ui| {
+/// A number; if it is optional, 0 is none.
+fn number(ui: &mut Ui, outbox: &mut Outbox, of: (&LightField, &Light), key: &str, now: f32) {
+    let (field, light) = of;
+    let (is_optional, unit) = (field.is_optional(), field.unit(light.kind));
+    row(ui, field.title, field.summary, |ui| {
         let [mut value] = outbox.numbers(key, [now]);
         let speed = f64::from(value.abs().max(0.01)) * 0.01;
-        let drag = DragValue::new(&mut value).range(low..=high).speed(speed).max_decimals(4);
+        let (low, high) = field.range(light);
+        // The least value above 0 would be rounded to 0.
+        let low = if low > 0.0 && !is_optional { 0.01 } else { low as f32 };
+        let is_none = is_optional && value == 0.0;
+        let drag = DragValue::new(&mut value).range(low..=(high as f32).min(f32::MAX));
+        let drag = drag.speed(speed).max_decimals(4);
+        let drag = if is_none {
+            drag.custom_formatter(|_, _| "none".to_owned())
+        } else {
+            drag.suffix(format!(" {unit}"))
+        };
         let width = ui.available_width();
-        if ui
-            .add_sized([width, 18.0], drag.suffix(format!(" {unit}")))
-            .accessible_name(title)
-            .changed()
-        {
-            outbox.set_numbers(key, [value], format!("{key} {value}"));
+        if ui.add_sized([width, 18.0], drag).accessible_name(field.title).changed() {
+            outbox.set_numbers(key, [value], line(key, &[value], is_optional));
         }
     });
 }
 
-fn three(ui: &mut Ui, outbox: &mut Outbox, title: &str, key: &str, now: Vec3, speed: f64) {
-    weak(ui, title);
-    let mut numbers = outbox.numbers(key, now.to_array());
-    let changed = ui.push_id(key, |ui| {
-        ui.horizontal(|ui| vector(ui, &mut numbers, speed, 3, ["x", "y", "z"])).inner
-    });
-    // A direction must not be zero.
-    let is_zero = numbers.iter().all(|number| *number == 0.0);
-    if changed.inner && !(is_zero && key.ends_with(" direction")) {
-        let [x, y, z] = numbers;
-        outbox.set_numbers(key, numbers, format!("{key} {x} {y} {z}"));
+/// The console's line that sets a field.
+fn line(key: &str, numbers: &[f32], is_optional: bool) -> String {
+    if is_optional && numbers.iter().all(|number| *number == 0.0) {
+        return format!("{key} none");
     }
+    numbers.iter().fold(key.to_owned(), |line, number| line + &format!(" {number}"))
 }
 
 fn surroundings(ui: &mut Ui, scene: &SceneModel, outbox: &mut Outbox) {
@@ -139,15 +138,6 @@ fn surroundings(ui: &mut Ui, scene: &SceneModel, outbox: &mut Outbox) {
             outbox.set_numbers("environment", [r, g, b], format!("environment {r},{g},{b}"));
         }
     });
-}
-
-/// The kind of a light.
-fn kind_name(light: &Light) -> &'static str {
-    match light.kind {
-        LightKind::Directional { .. } => "Sun",
-        LightKind::Point { .. } => "Point light",
-        LightKind::Spot { .. } => "Spot light",
-    }
 }
 
 /// The screen colour of a linear colour, scaled to full brightness.

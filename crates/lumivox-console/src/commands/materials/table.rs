@@ -55,16 +55,16 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 1,
         is: "metallic_roughness, phong or unlit",
-        get: |m| Some(shading_name(m).to_owned()),
-        set: |m, words| set_shading(m, first(words)),
+        get: |_, m| Some(shading_name(m).to_owned()),
+        set: |_, m, words| set_shading(m, first(words)),
     },
     P {
         name: "base_color",
         aliases: &["albedo"],
         count: 4,
         is: "three or four numbers R G B [A] from 0 to 1",
-        get: |m| metallic(m).map(|m| four(m.base_color)),
-        set: |m, words| {
+        get: |_, m| metallic(m).map(|m| four(m.base_color)),
+        set: |_, m, words| {
             let alpha = metallic(m).map_or(1.0, |m| m.base_color.w);
             set!(MetallicRoughness, m, base_color = color(words, "base_color", alpha)?)
         },
@@ -74,24 +74,24 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 1,
         is: "a number from 0 to 1",
-        get: |m| metallic(m).map(|m| m.metallic.to_string()),
-        set: |m, words| set!(MetallicRoughness, m, metallic = share(words, "metallic")?),
+        get: |_, m| metallic(m).map(|m| m.metallic.to_string()),
+        set: |_, m, words| set!(MetallicRoughness, m, metallic = share(words, "metallic")?),
     },
     P {
         name: "roughness",
         aliases: &[],
         count: 1,
         is: "a number from 0 to 1",
-        get: |m| metallic(m).map(|m| m.roughness.to_string()),
-        set: |m, words| set!(MetallicRoughness, m, roughness = share(words, "roughness")?),
+        get: |_, m| metallic(m).map(|m| m.roughness.to_string()),
+        set: |_, m, words| set!(MetallicRoughness, m, roughness = share(words, "roughness")?),
     },
     P {
         name: "specular_color",
         aliases: &[],
         count: 3,
         is: "three numbers R G B from 0 to 100",
-        get: |m| metallic(m).map(|m| spaces(m.specular_color)),
-        set: |m, words| {
+        get: |_, m| metallic(m).map(|m| spaces(m.specular_color)),
+        set: |_, m, words| {
             set!(
                 MetallicRoughness,
                 m,
@@ -104,8 +104,8 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 1,
         is: "a number from 1 to 100, or 0",
-        get: |m| metallic(m).map(|m| m.ior.to_string()),
-        set: |m, words| {
+        get: |_, m| metallic(m).map(|m| m.ior.to_string()),
+        set: |_, m, words| {
             let range = if first(words) == "0" { 0.0..=0.0 } else { 1.0..=100.0 };
             set!(MetallicRoughness, m, ior = number(first(words), "ior", range)?)
         },
@@ -115,28 +115,28 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 3,
         is: "three numbers R G B from 0 to 1",
-        get: |m| phong(m).map(|p| spaces(p.diffuse)),
-        set: |m, words| set!(Phong, m, diffuse = vector(words, "diffuse", 0.0..=1.0)?),
+        get: |_, m| phong(m).map(|p| spaces(p.diffuse)),
+        set: |_, m, words| set!(Phong, m, diffuse = vector(words, "diffuse", 0.0..=1.0)?),
     },
     P {
         name: "opacity",
         aliases: &[],
         count: 1,
         is: "a number from 0 to 1",
-        get: |m| phong(m).map(|p| p.opacity.to_string()),
-        set: |m, words| set!(Phong, m, opacity = share(words, "opacity")?),
+        get: |_, m| phong(m).map(|p| p.opacity.to_string()),
+        set: |_, m, words| set!(Phong, m, opacity = share(words, "opacity")?),
     },
     P {
         name: "specular",
         aliases: &[],
         count: 3,
         is: "a number from 0 to 1; of a Phong material three, R G B",
-        get: |m| match &m.shading {
+        get: |_, m| match &m.shading {
             Shading::MetallicRoughness(m) => Some(m.specular.to_string()),
             Shading::Phong(p) => Some(spaces(p.specular)),
             Shading::Unlit(_) => None,
         },
-        set: |m, words| match &mut m.shading {
+        set: |_, m, words| match &mut m.shading {
             Shading::Phong(p) => {
                 p.specular = vector(words, "specular", 0.0..=1.0)?;
                 Ok(())
@@ -153,16 +153,18 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 1,
         is: "a number from 0 to 1000000",
-        get: |m| phong(m).map(|p| p.shininess.to_string()),
-        set: |m, words| set!(Phong, m, shininess = number(first(words), "shininess", 0.0..=1e6)?),
+        get: |_, m| phong(m).map(|p| p.shininess.to_string()),
+        set: |_, m, words| {
+            set!(Phong, m, shininess = number(first(words), "shininess", 0.0..=1e6)?)
+        },
     },
     P {
         name: "color",
         aliases: &[],
         count: 4,
         is: "three or four numbers R G B [A] from 0 to 1",
-        get: |m| unlit(m).map(|u| four(u.color)),
-        set: |m, words| {
+        get: |_, m| unlit(m).map(|u| four(u.color)),
+        set: |_, m, words| {
             let alpha = unlit(m).map_or(1.0, |u| u.color.w);
             set!(Unlit, m, color = color(words, "color", alpha)?)
         },
@@ -172,8 +174,8 @@ pub const PROPERTIES: &[P] = &[
         aliases: &["emissive"],
         count: 3,
         is: "three numbers R G B in cd/m2, from 0 to 1e10",
-        get: |m| Some(spaces(m.emissive)),
-        set: |m, words| {
+        get: |_, m| Some(spaces(m.emissive)),
+        set: |_, m, words| {
             m.emissive = vector(words, "emission (cd/m2)", 0.0..=BRIGHTEST)?;
             Ok(())
         },
@@ -183,8 +185,8 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 1,
         is: "on or off",
-        get: |m| Some(on_or_off(m.double_sided).to_owned()),
-        set: |m, words| {
+        get: |_, m| Some(on_or_off(m.double_sided).to_owned()),
+        set: |_, m, words| {
             m.double_sided = switch(first(words), "double_sided")?;
             Ok(())
         },
@@ -194,8 +196,8 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 1,
         is: "a number from -100 to 100",
-        get: |m| m.normal_texture.map(|_| m.normal_scale.to_string()),
-        set: |m, words| {
+        get: |_, m| m.normal_texture.map(|_| m.normal_scale.to_string()),
+        set: |_, m, words| {
             m.normal_scale = number(first(words), "normal_scale", -100.0..=100.0)?;
             Ok(())
         },
@@ -205,8 +207,8 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 1,
         is: "a number from 0 to 1",
-        get: |m| Some(m.clearcoat.strength.to_string()),
-        set: |m, words| {
+        get: |_, m| Some(m.clearcoat.strength.to_string()),
+        set: |_, m, words| {
             m.clearcoat.strength = share(words, "clearcoat")?;
             Ok(())
         },
@@ -216,8 +218,8 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 1,
         is: "a number from 0 to 1",
-        get: |m| Some(m.clearcoat.roughness.to_string()),
-        set: |m, words| {
+        get: |_, m| Some(m.clearcoat.roughness.to_string()),
+        set: |_, m, words| {
             m.clearcoat.roughness = share(words, "clearcoat_roughness")?;
             Ok(())
         },
@@ -227,8 +229,8 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 3,
         is: "three numbers R G B from 0 to 1",
-        get: |m| Some(spaces(m.sheen.color)),
-        set: |m, words| {
+        get: |_, m| Some(spaces(m.sheen.color)),
+        set: |_, m, words| {
             m.sheen.color = vector(words, "sheen", 0.0..=1.0)?;
             Ok(())
         },
@@ -238,8 +240,8 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 1,
         is: "a number from 0 to 1",
-        get: |m| Some(m.sheen.roughness.to_string()),
-        set: |m, words| {
+        get: |_, m| Some(m.sheen.roughness.to_string()),
+        set: |_, m, words| {
             m.sheen.roughness = share(words, "sheen_roughness")?;
             Ok(())
         },
@@ -249,8 +251,8 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 1,
         is: "a number from 0 to 1",
-        get: |m| Some(m.transmission.factor.to_string()),
-        set: |m, words| {
+        get: |_, m| Some(m.transmission.factor.to_string()),
+        set: |_, m, words| {
             m.transmission.factor = share(words, "transmission")?;
             Ok(())
         },
@@ -260,7 +262,7 @@ pub const PROPERTIES: &[P] = &[
         aliases: &[],
         count: 7,
         is: "seven numbers, VXCT's color R G B, ambient_str, diffuse_str, specular_str and shininess, or none",
-        get: |m| {
+        get: |_, m| {
             Some(m.strengths.map_or("none".to_owned(), |s| {
                 format!(
                     "{} {} {} {} {}",
@@ -272,7 +274,7 @@ pub const PROPERTIES: &[P] = &[
                 )
             }))
         },
-        set: set_strengths,
+        set: |_, m, words| set_strengths(m, words),
     },
 ];
 

@@ -87,14 +87,11 @@ fn lamps_light_a_floor_by_their_distance_and_cosine() {
         candela * away.normalize().y / away.length_squared()
     };
     let spot_light = Light {
-        kind: LightKind::Spot {
-            intensity_cd: 3.0,
-            range_m: None,
-            // All visible points lie inside.
-            inner_angle_rad: 1.2,
-            outer_angle_rad: 1.3,
-        },
-        ..point_light(spot.as_vec3(), 1.0, 0.0)
+        kind: LightKind::Spot,
+        // All visible points lie inside.
+        inner_angle_rad: 1.2,
+        outer_angle_rad: 1.3,
+        ..point_light(spot.as_vec3(), 3.0, 0.0)
     };
     let of_lamps = |at: DVec3| by_lamp(at, lamp, 5.0) + by_lamp(at, spot, 3.0) + 2.0 * toward_sun.y;
     let edge = 8;

@@ -171,12 +171,16 @@ fn glowing(radiance: Vec3) -> Material {
     Material { emissive: radiance, ..Material::diffuse("glowing", Vec3::ZERO) }
 }
 
-fn point_light(position: Vec3, intensity_cd: f32, radius_m: f32) -> Light {
-    let kind = LightKind::Point { intensity_cd, range_m: None };
-    Light { kind, position, radius_m, ..Light::default() }
+fn point_light(position: Vec3, intensity: f32, radius_m: f32) -> Light {
+    Light { intensity, position, radius_m, ..Light::default() }
 }
 
-fn sun(direction: Vec3, illuminance_lux: f32, angular_radius_rad: f32) -> Light {
-    let kind = LightKind::Directional { illuminance_lux, angular_radius_rad };
-    Light { kind, direction: direction.normalize(), ..Light::default() }
+fn sun(direction: Vec3, intensity: f32, angular_radius_rad: f32) -> Light {
+    Light {
+        kind: LightKind::Directional,
+        intensity,
+        angular_radius_rad,
+        direction: direction.normalize(),
+        ..Light::default()
+    }
 }

@@ -27,15 +27,14 @@ fn round_lamps_that_send_nothing_here_are_dark() {
     let mut scene = stage();
     scene.environment.radiance = Vec3::splat(0.5);
     add(&mut scene, pane(0.0), Material::diffuse("wall", Vec3::ONE));
-    let spot = LightKind::Spot {
-        intensity_cd: 5.0,
-        range_m: None,
+    let away = Light {
+        kind: LightKind::Spot,
         inner_angle_rad: 0.1,
         outer_angle_rad: 0.2,
+        direction: Vec3::Z,
+        ..point_light(Vec3::Z, 5.0, 0.5)
     };
-    let away = Light { kind: spot, direction: Vec3::Z, ..point_light(Vec3::Z, 1.0, 0.5) };
-    let near = LightKind::Point { intensity_cd: 5.0, range_m: Some(0.5) };
-    let near = Light { kind: near, ..point_light(Vec3::new(0.0, 0.0, 1.0), 1.0, 0.4) };
+    let near = Light { range_m: Some(0.5), ..point_light(Vec3::Z, 5.0, 0.4) };
     for light in [away, near, point_light(Vec3::Z, 0.0, 0.5), sun(Vec3::NEG_Z, 0.0, 0.3)] {
         scene.lights = vec![light];
         let layers = traced(&scene, &settings(4, 16));

@@ -19,10 +19,10 @@ pub fn scene() -> Scene {
     scene.environment.radiance = Vec3::new(1.2, 1.6, 2.2);
     scene.lights.push(Light {
         name: "sun".to_owned(),
-        kind: LightKind::Directional { illuminance_lux: 14.0, angular_radius_rad: 0.004_65 },
+        intensity: 14.0,
         color: Vec3::new(1.0, 0.93, 0.8),
         direction: Vec3::new(-0.55, -1.0, -0.5).normalize(),
-        ..Light::default()
+        ..Light::typical(LightKind::Directional)
     });
     let checker = add_texture(&mut scene, 2, 2, Filter::Nearest, |x, y| {
         if x == y { [222, 218, 208, 255] } else { [60, 66, 84, 255] }

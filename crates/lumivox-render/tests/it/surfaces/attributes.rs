@@ -155,7 +155,8 @@ fn masks_are_cut_at_their_own_coordinates() {
     // From the side, the shadow of the left half lies on the right half of the wall, and only what
     // the mask leaves free is lit.
     scene.lights.push(Light {
-        kind: LightKind::Directional { illuminance_lux: 1.0, angular_radius_rad: 0.0 },
+        kind: LightKind::Directional,
+        intensity: 1.0,
         direction: Vec3::new(0.7, 0.0, -1.0).normalize(),
         ..Light::default()
     });

@@ -209,7 +209,8 @@ fn varnish_has_a_highlight_of_its_own() {
         let mut scene = seen_under(angle, material);
         let light = Vec3::new(-to_light.sin(), to_light.cos(), 0.0);
         scene.lights.push(Light {
-            kind: LightKind::Directional { illuminance_lux: 100.0, angular_radius_rad: 0.0 },
+            kind: LightKind::Directional,
+            intensity: 100.0,
             direction: -light,
             ..Light::default()
         });
@@ -278,7 +279,8 @@ fn what_takes_no_light_shows_its_colour_beside_a_white_wall() {
     let unlit = Shading::Unlit(Unlit { color: color.extend(1.0), color_texture: None });
     let mut scene = seen_under(0.0, Material { shading: unlit, ..Material::default() });
     scene.lights.push(Light {
-        kind: LightKind::Directional { illuminance_lux: 100.0, angular_radius_rad: 0.0 },
+        kind: LightKind::Directional,
+        intensity: 100.0,
         direction: Vec3::new(0.5, -0.6, 0.0).normalize(),
         ..Light::default()
     });

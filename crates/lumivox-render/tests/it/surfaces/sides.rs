@@ -19,7 +19,7 @@ fn wall(double_sided: bool, lamp_x: f32, seen_x: f32) -> Scene {
     let wall = quad(Vec3::new(WALL_X, 1.0, 0.0), Vec3::NEG_Z * 2.0, Vec3::Y);
     add(&mut scene, wall, Material { double_sided, ..white });
     scene.lights.push(Light {
-        kind: LightKind::Point { intensity_cd: 10.0, range_m: None },
+        intensity: 10.0,
         position: Vec3::new(lamp_x, 0.7, 0.0),
         ..Light::default()
     });
@@ -150,7 +150,8 @@ fn bent_normals_catch_no_light_from_behind() {
         material.normal_texture = Some(TextureRef::new(0));
         add(&mut scene, quad(Vec3::ZERO, Vec3::X * 0.5, Vec3::Y * 0.5), material);
         scene.lights.push(Light {
-            kind: LightKind::Directional { illuminance_lux: 1.0, angular_radius_rad: 0.0 },
+            kind: LightKind::Directional,
+            intensity: 1.0,
             direction: Vec3::new(-1.0, 0.0, -z).normalize(),
             ..Light::default()
         });

@@ -194,7 +194,8 @@ fn under_a_roof(roof: Material) -> Scene {
     add(&mut scene, quad(Vec3::Y * 1.5, Vec3::X * 2.0, Vec3::NEG_Z * 2.0), roof);
     scene.cameras = vec![Camera::look_at(Vec3::new(0.0, 0.9, 0.4), Vec3::ZERO, 0.4)];
     scene.lights.push(Light {
-        kind: LightKind::Directional { illuminance_lux: 1.0, angular_radius_rad: 0.0 },
+        kind: LightKind::Directional,
+        intensity: 1.0,
         direction: Vec3::new(0.2, -1.0, 0.15).normalize(),
         ..Light::default()
     });

@@ -1,7 +1,7 @@
 //! The city as a whole: its size, its light, and cameras with free space around them.
 
 use super::*;
-use crate::{AnimationChoice, LightKind, Picker};
+use crate::{AnimationChoice, Picker};
 
 /// Millions of triangles come from meshes that take a few megabytes, over a kilometre.
 #[test]
@@ -21,7 +21,7 @@ fn day_and_night_differ_in_light_alone() {
     let [day, night] = [false, true].map(|is_night| scene(is_night, false).unwrap());
     assert!(day.meshes == night.meshes && day.instances == night.instances);
     assert_eq!(day.cameras, night.cameras);
-    assert!(matches!(day.lights[0].kind, LightKind::Directional { .. }));
+    assert!(day.lights[0].kind.is_parallel());
     assert!(day.materials.iter().all(|material| material.emissive == Vec3::ZERO));
     assert!(night.lights.is_empty());
     let shines = |material: usize| night.materials[material].emissive.max_element() > 0.0;

@@ -70,7 +70,7 @@ impl Sky {
     /// the names of the replaced lights, except for the sun of an earlier sky.
     pub fn surround(self, environment: &mut Environment, lights: &mut Vec<Light>) -> Vec<String> {
         *environment = Arc::new(self.map).into();
-        let is_sun = |light: &mut Light| matches!(light.kind, LightKind::Directional { .. });
+        let is_sun = |light: &mut Light| light.kind.is_parallel();
         let replaced = lights.extract_if(.., is_sun).map(|light| light.name);
         let replaced = replaced.filter(|name| name != Self::SUN).collect();
         lights.extend(self.sun.map(|sun| Light { name: Self::SUN.to_owned(), ..sun }));
@@ -157,10 +157,9 @@ fn sun(to_sun: DVec3, rgb: DVec3) -> Option<Light> {
     }
     Some(Light {
         name: "sun".to_owned(),
-        kind: LightKind::Directional {
-            illuminance_lux: illuminance as f32,
-            angular_radius_rad: SUN_RADIUS_RAD as f32,
-        },
+        kind: LightKind::Directional,
+        intensity: illuminance as f32,
+        angular_radius_rad: SUN_RADIUS_RAD as f32,
         color: (rgb / illuminance).as_vec3(),
         direction: -to_sun.as_vec3(),
         ..Light::default()

@@ -14,10 +14,7 @@ fn luminance(rgb: Vec3) -> f32 {
 }
 
 fn lux(sun: Option<&Light>) -> f32 {
-    match sun.map(|sun| sun.kind) {
-        Some(LightKind::Directional { illuminance_lux, .. }) => illuminance_lux,
-        _ => 0.0,
-    }
+    sun.filter(|sun| sun.kind.is_parallel()).map_or(0.0, |sun| sun.intensity)
 }
 
 fn sky_lux(sky: &Sky) -> f32 {
@@ -146,9 +143,9 @@ fn settings_are_checked() {
 #[test]
 fn a_scene_has_one_sun() {
     let mut environment = Environment { radiance: Vec3::splat(7.0), ..Environment::default() };
-    let sun = LightKind::Directional { illuminance_lux: 5e4, angular_radius_rad: 0.0 };
     let lamp = Light { name: "lamp".to_owned(), ..Light::default() };
-    let own = Light { name: "file's sun".to_owned(), kind: sun, ..Light::default() };
+    let own =
+        Light { name: "file's sun".to_owned(), kind: LightKind::Directional, ..Light::default() };
     let mut lights = vec![own, lamp.clone()];
     assert_eq!(sky_at(30.0, 2.0).surround(&mut environment, &mut lights), ["file's sun"]);
     assert_eq!(environment.radiance, Vec3::ONE);

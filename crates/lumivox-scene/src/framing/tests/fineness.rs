@@ -38,11 +38,12 @@ fn shadow_maps_are_coarse_where_things_are_lower_than_two_texels() {
         ..Camera::default()
     });
     let direction = Vec3::new(0.3, -0.5, 0.8).normalize();
-    let sun = LightKind::Directional { illuminance_lux: 1e5, angular_radius_rad: 0.005 };
-    let lamp = LightKind::Point { intensity_cd: 1e9, range_m: None };
+    let (sun, lamp) = ((LightKind::Directional, 1e5), (LightKind::Point, 1e9));
     let above = direction * -2000.0;
-    for (kind, squares, is_coarse) in [(sun, 0, true), (sun, 3, false), (lamp, 3, true)] {
-        let light = Light { direction, position: above, kind, ..Light::default() };
+    for ((kind, intensity), squares, is_coarse) in
+        [(sun, 0, true), (sun, 3, false), (lamp, 3, true)]
+    {
+        let light = Light { direction, position: above, kind, intensity, ..Light::default() };
         scene.lights = vec![light];
         let maps = ShadowMapFineness { resolution: 1024, squares, step: 4.0, reach_m: None };
         let fineness = Fineness { voxel_m: None, shadow_maps: Some(maps) };

@@ -70,10 +70,10 @@ fn a_lamp_that_lights_its_closed_room_is_enough() {
 
 #[test]
 fn one_dim_lamp_is_not_enough_for_a_thing() {
-    let lamp = |intensity_cd: f32| {
+    let lamp = |intensity: f32| {
         let mut scene = helmet();
         scene.lights.push(Light {
-            kind: LightKind::Point { intensity_cd, range_m: None },
+            intensity,
             position: Vec3::new(1.5, 6.0, 5.0),
             ..Light::default()
         });
@@ -90,7 +90,7 @@ fn one_dim_lamp_is_not_enough_for_a_thing() {
     assert!(light_of(&hidden).is_some());
     // The sun of a file whose light has no unit.
     let mut sun = lamp(0.0);
-    sun.lights[0].kind = LightKind::Directional { illuminance_lux: 3.0, angular_radius_rad: 0.0 };
+    (sun.lights[0].kind, sun.lights[0].intensity) = (LightKind::Directional, 3.0);
     sun.lights[0].direction = Vec3::new(-0.3, -0.8, -0.6).normalize();
     assert_eq!(light_of(&sun), None);
     sun.lights[0].direction = Vec3::Y;

@@ -10,9 +10,7 @@ use gltf::json::Extras;
 use serde_json::Value;
 
 use super::Loader;
-use crate::{
-    Attenuation, Bounds, Environment, EnvironmentMap, Light, LightKind, Phong, Shading, Strengths,
-};
+use crate::{Attenuation, Bounds, Environment, EnvironmentMap, Light, Phong, Shading, Strengths};
 
 /// The part of an entry's extras that belongs to Lumivox.
 pub(super) fn own(extras: &Extras) -> Option<Value> {
@@ -75,16 +73,9 @@ pub(super) fn restore_light(light: &mut Light, extras: &Extras) {
     light.attenuation = attenuation(&own["attenuation"]);
     let scale = number(&own["colorScale"]).filter(|&scale| scale >= 1.0).unwrap_or(1.0);
     light.color *= scale;
-    match &mut light.kind {
-        LightKind::Directional { illuminance_lux, angular_radius_rad } => {
-            *illuminance_lux /= scale;
-            *angular_radius_rad =
-                not_negative(&own["angularRadiusRad"]).unwrap_or(*angular_radius_rad);
-        }
-        LightKind::Point { intensity_cd, .. } | LightKind::Spot { intensity_cd, .. } => {
-            *intensity_cd /= scale;
-        }
-    }
+    light.intensity /= scale;
+    light.angular_radius_rad =
+        not_negative(&own["angularRadiusRad"]).unwrap_or(light.angular_radius_rad);
 }
 
 fn attenuation(value: &Value) -> Option<Attenuation> {

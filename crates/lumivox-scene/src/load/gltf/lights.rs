@@ -25,14 +25,10 @@ impl Loader<'_> {
         if light.intensity() < 0.0 {
             warn(format!("its intensity of {} is negative and counts as 0", light.intensity()));
         }
-        let intensity = light.intensity().max(0.0);
-        // The extension requires a range above zero; zero commonly means unlimited.
-        let range_m = light.range().filter(|&range| range != 0.0);
-        let kind = match light.kind() {
-            Kind::Directional => {
-                LightKind::Directional { illuminance_lux: intensity, angular_radius_rad: 0.0 }
-            }
-            Kind::Point => LightKind::Point { intensity_cd: intensity, range_m },
+        let mut converted = Light::default();
+        match light.kind() {
+            Kind::Directional => converted.kind = LightKind::Directional,
+            Kind::Point => converted.kind = LightKind::Point,
             Kind::Spot { inner_cone_angle, outer_cone_angle } => {
                 let ([inner_rad, outer_rad], repair) = cone([inner_cone_angle, outer_cone_angle]);
                 if let Some(repair) = repair {
@@ -40,22 +36,18 @@ impl Loader<'_> {
                         "its cone angles of {inner_cone_angle} and {outer_cone_angle} {repair}"
                     ));
                 }
-                LightKind::Spot {
-                    intensity_cd: intensity,
-                    range_m,
-                    // Files with a hard edge have both equal, up to rounding.
-                    inner_angle_rad: inner_rad.min(outer_rad),
-                    outer_angle_rad: outer_rad,
-                }
+                converted.kind = LightKind::Spot;
+                converted.outer_angle_rad = outer_rad;
+                // Files with a hard edge have both equal, up to rounding.
+                converted.inner_angle_rad = inner_rad.min(outer_rad);
             }
-        };
+        }
+        converted.intensity = light.intensity().max(0.0);
+        converted.color = Vec3::from_array(light.color());
+        // The extension requires a range above zero; zero commonly means unlimited.
+        converted.range_m = light.range().filter(|&range| range != 0.0);
         // The rig sets its position and direction.
-        let mut converted = Light {
-            name: self.name_on(node, light.name(), "light", light.index()),
-            kind,
-            color: Vec3::from_array(light.color()),
-            ..Light::default()
-        };
+        converted.name = self.name_on(node, light.name(), "light", light.index());
         extras::restore_light(&mut converted, light.extras());
         self.scene.lights.push(converted);
         self.rig.lights.push(site.node);

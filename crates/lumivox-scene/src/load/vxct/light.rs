@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::keys::{LIGHT, RGB, Values, XYZ};
 use super::tree::Block;
-use crate::{Attenuation, Camera, Light, LightKind, SceneError};
+use crate::{Attenuation, Camera, Light, SceneError};
 
 /// The light of a block, the `number`th of its scene.
 ///
@@ -26,10 +26,9 @@ pub(super) fn light(
         values.warn(block.at, "the light's colour is below 0 and became 0");
     }
     let attenuation = attenuation(block, values)?;
-    let kind = LightKind::Point { intensity_cd: PI * attenuation.at(1.0), range_m: None };
     Ok(Light {
         name: format!("light {number}"),
-        kind,
+        intensity: PI * attenuation.at(1.0),
         color: color.max(Vec3::ZERO),
         position,
         attenuation: Some(attenuation),

@@ -308,19 +308,21 @@ fn instance(meshes: usize, materials: usize) -> impl Strategy<Value = Instance> 
 }
 
 fn light() -> impl Strategy<Value = Light> {
-    let range = || option::of(1e-3..1e4_f32);
     let kind = prop_oneof![
-        (amount(), unit()).prop_map(|(illuminance_lux, angular_radius_rad)| {
-            LightKind::Directional { illuminance_lux, angular_radius_rad }
+        (amount(), unit()).prop_map(|(intensity, angular_radius_rad)| Light {
+            kind: LightKind::Directional,
+            intensity,
+            angular_radius_rad,
+            ..Light::default()
         }),
-        (amount(), range())
-            .prop_map(|(intensity_cd, range_m)| LightKind::Point { intensity_cd, range_m }),
-        (amount(), range(), unit(), 0.001..=std::f32::consts::FRAC_PI_2).prop_map(
-            |(intensity_cd, range_m, part, outer_angle_rad)| LightKind::Spot {
-                intensity_cd,
-                range_m,
+        amount().prop_map(|intensity| Light { intensity, ..Light::default() }),
+        (amount(), unit(), 0.001..=std::f32::consts::FRAC_PI_2).prop_map(
+            |(intensity, part, outer_angle_rad)| Light {
+                kind: LightKind::Spot,
+                intensity,
                 inner_angle_rad: outer_angle_rad * part,
                 outer_angle_rad,
+                ..Light::default()
             }
         ),
     ];
@@ -330,16 +332,20 @@ fn light() -> impl Strategy<Value = Light> {
         linear,
         quadratic,
     });
-    (name(), kind, rgb(0.0..20.0_f32), point(), direction(), unit(), option::of(attenuation))
-        .prop_map(|(name, kind, color, position, direction, radius_m, attenuation)| Light {
+    let range = option::of(1e-3..1e4_f32);
+    let place = (point(), direction(), unit(), range);
+    (name(), kind, rgb(0.0..20.0_f32), place, option::of(attenuation)).prop_map(
+        |(name, light, color, (position, direction, radius_m, range_m), attenuation)| Light {
             name,
-            kind,
             color,
             position,
             direction,
             radius_m,
+            range_m: range_m.filter(|_| !light.kind.is_parallel()),
             attenuation,
-        })
+            ..light
+        },
+    )
 }
 
 fn camera() -> impl Strategy<Value = Camera> {

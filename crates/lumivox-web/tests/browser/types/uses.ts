@@ -41,7 +41,7 @@ const object: string | undefined = picked && scene.objects[picked.object].name;
 const camera: Camera = { position: [0, 1, 4], target: [0, 1, 0] };
 await renderer.setCamera({ ...camera, up: [0, 1, 0], vertical_fov_deg: 40 });
 const height: number = (await renderer.camera()).position[1];
-const light: Light = { kind: "spot", intensity: 800, position: [0, 2, 0], inner_cone_deg: 20, range_m: null };
+const light: Light = { kind: "spot", intensity: 800, position: [0, 2, 0], inner_angle_deg: 20, range_m: null };
 const number: number = await renderer.addLight(light);
 await renderer.setLight(number, { ...scene.lights[0], color: [1, 0.5, 0] });
 await renderer.removeLight(number);

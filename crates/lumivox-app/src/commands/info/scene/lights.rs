@@ -1,7 +1,7 @@
 //! The reports on lights and cameras of a scene.
 
 use lumivox_console::report::Table;
-use lumivox_scene::{Camera, Environment, Light, LightKind, Scene};
+use lumivox_scene::{Camera, Environment, Light, Scene};
 use serde::Serialize;
 
 /// The report on a light.
@@ -40,21 +40,16 @@ pub struct PanoramaReport {
 impl LightReport {
     /// The report on a light.
     pub fn new(scene: &Scene, light: &Light) -> Self {
-        let (position, direction) =
-            (scene.to_file(light.position).to_array(), light.direction.to_array());
-        let (kind, strength, unit, position, direction) = match light.kind {
-            LightKind::Directional { illuminance_lux, .. } => {
-                ("directional", illuminance_lux, "lux", None, Some(direction))
-            }
-            LightKind::Point { intensity_cd, .. } => {
-                ("point", intensity_cd, "cd", Some(position), None)
-            }
-            LightKind::Spot { intensity_cd, .. } => {
-                ("spot", intensity_cd, "cd", Some(position), Some(direction))
-            }
-        };
-        let (name, color) = (light.name.clone(), light.color.to_array());
-        Self { name, kind, strength, unit, color, position, direction }
+        let kind = light.kind;
+        Self {
+            name: light.name.clone(),
+            kind: kind.name(),
+            strength: light.intensity,
+            unit: kind.unit(),
+            color: light.color.to_array(),
+            position: kind.has("position").then(|| scene.to_file(light.position).to_array()),
+            direction: kind.has("direction").then(|| light.direction.to_array()),
+        }
     }
 }
 

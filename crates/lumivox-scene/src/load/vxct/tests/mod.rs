@@ -100,16 +100,13 @@ fn a_light_has_defaults_and_is_a_lamp_of_pi_at_a_metre() {
         plain.attenuation,
         Some(Attenuation { constant: 1.0, linear: 0.15, quadratic: 0.45 })
     );
-    let intensity = |light: &crate::Light| match light.kind {
-        LightKind::Point { intensity_cd, range_m: None } => intensity_cd,
-        other => panic!("{other:?}"),
-    };
+    assert_eq!((plain.kind, plain.range_m), (LightKind::Point, None));
     // A white diffuse surface at a metre: I / pi, against VXCT's 1 / (1 + .15 + .45).
-    assert!((intensity(plain) / PI - 1.0 / 1.6).abs() < 1e-6);
+    assert!((plain.intensity / PI - 1.0 / 1.6).abs() < 1e-6);
     assert_eq!(other.position, Vec3::new(1.0, -2.5, 3.0));
     assert_eq!(other.color, Vec3::new(2.0, 0.5, 0.0));
     assert_eq!(other.name, "light 2");
-    assert!((intensity(other) - PI / 4.0).abs() < 1e-6);
+    assert!((other.intensity - PI / 4.0).abs() < 1e-6);
     assert_eq!(other.attenuation.unwrap().at(2.0), 1.0 / 16.0);
 }
 
