@@ -12,7 +12,7 @@ pub struct Property<T: 'static> {
     pub aliases: &'static [&'static str],
     /// The most numbers of its value.
     pub count: usize,
-    /// The value's meaning, with unit and range.
+    /// The value's meaning, with unit and range; empty if [`Self::set`] says it of no words.
     pub is: &'static str,
     /// Its value in words that read back to the same bits; `None` if the thing has no such
     /// property.
@@ -85,7 +85,7 @@ pub fn set<T: Clone>(
         let has_commas = rest.first().is_some_and(|word| word.contains(','));
         let taken = if has_commas { 1 } else { numbers.max(1).min(rest.len()) };
         let (value, rest) = rest.split_at(taken);
-        if value.is_empty() {
+        if value.is_empty() && !property.is.is_empty() {
             let is = property.is;
             return Err(Failure::input(format!("{what}: {name} is {is}; got nothing")));
         }

@@ -80,6 +80,10 @@ pub const PROPERTIES: [Property<Light>; LIGHT_FIELDS.len()] = {
         get: |own, light| Some(field(own, light)?.value(light).to_string()),
         set: |own, light, words| {
             let Some(field) = field(own, light) else { return Ok(()) };
+            if words.is_empty() {
+                let is = field.expected(light);
+                return Err(Failure::input(format!("{} is {is}; got nothing", own.name)));
+            }
             let parts = words.iter().flat_map(|word| word.split(','));
             let numbers: Option<Vec<f64>> = parts.map(|part| part.trim().parse().ok()).collect();
             let value = match numbers.as_deref() {
@@ -97,8 +101,7 @@ pub const PROPERTIES: [Property<Light>; LIGHT_FIELDS.len()] = {
     let mut index = 0;
     while index < table.len() {
         let field = LIGHT_FIELDS[index];
-        table[index] =
-            Property { name: field.name, aliases: field.aliases, is: field.summary, ..EMPTY };
+        table[index] = Property { name: field.name, aliases: field.aliases, ..EMPTY };
         table[index].count = if field.form.parts().is_some() { 3 } else { 1 };
         index += 1;
     }

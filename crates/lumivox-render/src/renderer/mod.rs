@@ -107,6 +107,23 @@ impl Renderer {
         settings: RenderSettings,
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<Self, RenderError> {
+        // Boxed, since its state is too large for the callers' futures.
+        let mut renderer = Box::pin(Self::unlit(gpu, scene, camera, settings, progress)).await?;
+        if renderer.settings.timing != Timing::Off {
+            renderer.use_kernels_of_light()?;
+        }
+        renderer.relight(progress).await?;
+        Ok(renderer)
+    }
+
+    /// Everything of [`Self::new`] except light.
+    async fn unlit(
+        gpu: &Gpu,
+        scene: &Scene,
+        camera: Option<&Camera>,
+        settings: RenderSettings,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<Self, RenderError> {
         validate(&settings, gpu)?;
         let scene_bounds = scene.voxel_bounds();
         let may_be_empty = scene.grid_bounds.is_some() || settings.volume == VolumeKind::Cascades;
@@ -160,7 +177,7 @@ impl Renderer {
         // `relight` binds the scene's own.
         let lights = gi.bind_lights(&[], glam::Vec3::ZERO, None);
         let near_shadows = NearShadows::new(gpu, &lights);
-        let mut renderer = Self {
+        Ok(Self {
             gpu: gpu.clone(),
             settings,
             camera,
@@ -186,12 +203,7 @@ impl Renderer {
             times,
             samples_drawn: 0,
             restarts: 0,
-        };
-        if renderer.settings.timing != Timing::Off {
-            renderer.use_kernels_of_light()?;
-        }
-        renderer.relight(progress).await?;
-        Ok(renderer)
+        })
     }
 
     /// Runs the kernels of light once: drivers compile a kernel at its first use, which must not
@@ -303,9 +315,12 @@ impl Renderer {
         let jitter = self.first_in_pixel(sample);
         let is_relit = self.updates.is_settling;
         let Self { settings, camera, scene, gi, lights, near_shadows, passes, targets, .. } = self;
-        let mut is_traced = false;
+        let shows_surfaces = settings.shown_look().is_none()
+            && !settings.view.is_of_voxels()
+            && settings.view != View::Lod;
+        let has_cones = shows_surfaces && settings.view.needs_cones(settings.bounces);
         // Blended frames are counted over all pictures: they must not repeat each other.
-        let number = (!targets.view.is_temporal()).then_some(frame);
+        let number = (!(has_cones && targets.view.is_temporal())).then_some(frame);
         let seen = camera_view(camera, settings.size, (number, jitter));
         targets.view.set_camera(&self.gpu.queue, seen);
         targets.view.settings = settings.trace;
@@ -345,9 +360,7 @@ impl Renderer {
                     let Targets { view, direct, .. } = targets;
                     passes.direct.record(device, recorder, gi, lit_by, view, direct);
                 }
-                let has_cones = settings.view.needs_cones(settings.bounces);
                 if has_cones {
-                    is_traced = true;
                     recorder.stage("trace");
                     gi.trace(recorder, &mut targets.view, lights)?;
                 }
@@ -371,7 +384,7 @@ impl Renderer {
             self.record_overlay(recorder, frame)?;
         }
         // The next frame cannot reuse the light of a frame that was not kept.
-        if !(is_kept && is_traced) {
+        if !(is_kept && has_cones) {
             self.targets.view.skip();
         }
         if !is_kept && frame == 0 {

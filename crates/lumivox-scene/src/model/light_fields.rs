@@ -26,6 +26,8 @@ pub struct LightField {
     /// The kinds of light that have it.
     pub kinds: &'static [LightKind],
     unit: &'static str,
+    /// The least and the greatest number that may be set. Scenes may exceed it, except for angles
+    /// and a least number of 0 or more.
     range: (f64, f64),
     /// The name of a field that it may not exceed.
     limit: Option<&'static str>,
@@ -106,7 +108,7 @@ const ROW: LightField = LightField {
     form: LightForm::Number,
     kinds: ALL,
     unit: "",
-    range: (0.0, ANY),
+    range: (0.0, 1e6),
     limit: None,
     get: |_| None,
     set: |_, _| (),
@@ -118,6 +120,7 @@ pub const LIGHT_FIELDS: &[LightField] = &[
     LightField {
         aliases: &["intensity", "illuminance"],
         unit: CANDELA,
+        range: (0.0, 1e10),
         get: |light| Some(one(light.intensity)),
         set: |light, value| light.intensity = value.x,
         ..row("strength", "intensity", "Strength", "luminous intensity; of a sun illuminance")
@@ -133,7 +136,7 @@ pub const LIGHT_FIELDS: &[LightField] = &[
         form: LightForm::Position,
         kinds: LAMPS,
         unit: "m",
-        range: (-ANY, ANY),
+        range: (-1e9, 1e9),
         get: |light| Some(light.position),
         set: |light, value| light.position = value,
         ..row("position", "position", "Position", "place in the world")
@@ -156,7 +159,7 @@ pub const LIGHT_FIELDS: &[LightField] = &[
     LightField {
         kinds: LAMPS,
         unit: "m",
-        range: (ABOVE_0, ANY),
+        range: (ABOVE_0, 1e9),
         get: |light| light.range_m.map(one),
         set: |light, value| light.range_m = Some(value.x),
         clear: Some(|light| light.range_m = None),
@@ -234,16 +237,19 @@ impl Light {
         own.into_iter().chain(self.kind.fields().map(|field| (field.key, field.value(self))))
     }
 
-    /// The light of a record. Values that are left out have their defaults; fields that the kind
-    /// does not have are ignored.
+    /// The light of a record. Values that are left out are those of [`Self::typical`]; fields that
+    /// the kind does not have are ignored.
     ///
     /// # Errors
     /// A message, if the kind or a field is unknown, or a value is not allowed.
     pub fn of_record(record: &[(&str, LightValue)]) -> Result<Self, String> {
         let find = |key: &str| Some(&record.iter().find(|(other, _)| *other == key)?.1);
         let mut light = Self::default();
-        let name = find("name").map_or(light.name.clone(), LightValue::to_string);
-        light.name.clone_from(&name);
+        let name = match find("name") {
+            Some(LightValue::Text(name)) => name.clone(),
+            None => light.name.clone(),
+            Some(other) => return Err(format!("its name is {other}, but must be a text")),
+        };
         if let Some(kind) = find("kind").map(LightValue::to_string) {
             let [most @ .., last] = LightKind::ALL.map(LightKind::name);
             let known = LightKind::ALL.into_iter().find(|known| known.name() == kind);
@@ -252,6 +258,7 @@ impl Light {
                 format!("light \"{name}\": its kind is \"{kind}\", but must be {kinds}")
             })?;
         }
+        light = Self { name: name.clone(), ..Self::typical(light.kind) };
         let keys = || ["name", "kind"].into_iter().chain(LIGHT_FIELDS.iter().map(|row| row.key));
         if let Some((other, _)) = record.iter().find(|(other, _)| keys().all(|key| key != *other)) {
             let keys = keys().collect::<Vec<_>>().join(", ");
@@ -323,17 +330,24 @@ impl LightField {
             (None, Some(clear)) => clear(&mut changed),
             (None, None) => return Err(self.expected(light)),
         }
-        self.check(&changed).map_err(|_| self.expected(light))?;
+        self.check_within(&changed, self.range(&changed)).map_err(|_| self.expected(light))?;
         *light = changed;
         Ok(())
     }
 
-    /// Checks the value of a light.
+    /// Checks the value of a light of a scene: files may have brighter, larger and farther lights
+    /// than those that are set.
     ///
     /// # Errors
     /// The allowed values in words.
     pub fn check(&self, light: &Light) -> Result<(), String> {
         let (low, high) = self.range(light);
+        let low = if low < 0.0 { -ANY } else { low };
+        let high = if self.unit == DEGREE { high } else { ANY };
+        self.check_within(light, (low, high))
+    }
+
+    fn check_within(&self, light: &Light, (low, high): (f64, f64)) -> Result<(), String> {
         let fits = |number: f64| number.is_finite() && low <= number && number <= high;
         let is_allowed = match (self.value(light), (self.get)(light)) {
             (LightValue::Vector(numbers), Some(stored)) => {

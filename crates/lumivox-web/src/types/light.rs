@@ -115,9 +115,10 @@ pub fn declarations() -> String {
         default.kind.name()
     );
     for field in LIGHT_FIELDS {
-        let (title, summary, allowed) = (field.title, field.summary, field.expected(&default));
-        let (null, default) =
-            (if field.is_optional() { " | null" } else { "" }, field.value(&default));
+        let typical = lumivox_scene::Light::typical(field.kinds[0]);
+        let (title, summary, allowed) = (field.title, field.summary, field.expected(&typical));
+        let null = if field.is_optional() { " | null" } else { "" };
+        let default = field.value(&typical);
         let is_vector = field.form.parts().is_some();
         let values = if is_vector { "[number, number, number]" } else { "number" };
         let _ = write!(

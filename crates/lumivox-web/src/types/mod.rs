@@ -70,6 +70,7 @@ pub struct AnimationInfo {
 
 /// The properties of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Tsify)]
+#[tsify(hashmap_as_object)]
 pub struct SceneInfo {
     /// The file's name without its extension.
     pub name: String,

@@ -87,7 +87,7 @@ impl Gi {
         view
     }
 
-    /// Binds other textures of the same size to a view.
+    /// Binds other textures of the same size to a view; call it before [`GiView::set_camera`].
     pub fn bind_gbuffer<'a>(&self, view: &mut GiView, gbuffer: impl Into<GBuffer<'a>>) {
         view.bind(&self.device, &self.gbuffer_layout, gbuffer.into());
     }

@@ -281,7 +281,7 @@ impl Lighting {
         let Lit { volume, changes, lights, emitters, cones } = lit;
         let Some(faces) = &self.faces else { return false };
         let turn = match budget {
-            Budget::Bounces(bounces) => Some(self.turns.from_darkness(lights.version, bounces)),
+            Budget::Bounces(bounces) => Some(self.turns.restart(lights.version, bounces)),
             Budget::Faces(most) => {
                 // With rays, only one setting changes the light of faces: the width of samples of
                 // the environment.
@@ -318,9 +318,9 @@ impl Lighting {
                 volume.update(recorder, changed);
             }
         }
-        recorder.stage("bounce");
         let groups = [volume.globals(), &lights.group];
         if turn.gathers > 0 || turn.shows_far {
+            recorder.stage("bounce");
             self.kernels.find(recorder, volume.globals(), faces);
         }
         if turn.may_shine_anew {

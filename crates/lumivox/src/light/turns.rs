@@ -113,7 +113,7 @@ impl Turns {
 
     /// The work of lighting everything from darkness with this number of bounces; `lights` is the
     /// version of the lights. Later frames continue from there.
-    pub fn from_darkness(&mut self, lights: u64, bounces: u32) -> Turn {
+    pub fn restart(&mut self, lights: u64, bounces: u32) -> Turn {
         let gathers = bounces.saturating_sub(1);
         self.lights = Some(lights);
         self.cones = None;
@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn light_that_was_solved_goes_on_without_what_has_not_changed() {
         let mut turns = Turns::default();
-        turns.from_darkness(1, 17);
+        turns.restart(1, 17);
         let all: Vec<Turn> = std::iter::from_fn(|| next(&mut turns, None)).collect();
         assert_eq!(all.len(), 16);
         assert!(all.iter().all(|turn| !turn.is_direct_new && !turn.may_shine_anew));
@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn all_faces_look_at_emitters_again_after_a_move() {
         let mut turns = Turns::default();
-        turns.from_darkness(1, 17);
+        turns.restart(1, 17);
         turns.surface_moved();
         // Four turns of 25 faces.
         let all: Vec<Turn> = std::iter::from_fn(|| next(&mut turns, Some(25))).collect();

@@ -24,9 +24,8 @@ pub struct GBufferViews<'a> {
     pub emission: &'a wgpu::TextureView,
     /// In xy the position of a pixel's surface in the picture minus its position in the previous
     /// frame, as a share of the picture, x to the right, y down (`Rg16Float`); [`AS_THE_CAMERA`]
-    /// for static surfaces. `None` if only the camera moves
-    /// . It is read only if light of earlier frames is
-    /// reused ([`TraceSettings::temporal`](crate::TraceSettings::temporal)).
+    /// for static surfaces. `None` if only the camera moves. It is read only if light of earlier
+    /// frames is reused ([`TraceSettings::temporal`](crate::TraceSettings::temporal)).
     pub motion: Option<&'a wgpu::TextureView>,
 }
 

@@ -126,7 +126,7 @@ impl FaceRecord {
     pub const HIDDEN: u32 = 2;
     /// Other surface separates some of its visible part from the point where its light is computed.
     pub const PARTED: u32 = 4;
-    /// The lowest of eight bits: the share of its covered area that light passes, of 255.
+    /// Index of the lowest of eight bits: the share of its covered area that light passes, of 255.
     pub const HOLES: u32 = 8;
 }
 

@@ -58,9 +58,17 @@ impl Camera<'_> {
     /// The camera in Lumivox's form.
     fn to_lumivox(&self) -> CameraView {
         let view_from_world = self.view.world_from_view.to_matrix().inverse();
-        let clip_from_world = self.view.clip_from_view * view_from_world;
-        let mut camera = CameraView::new(clip_from_world, self.view.world_from_view.translation());
-        camera.jitter = self.jitter.map_or(Vec2::ZERO, |jitter| -jitter.offset);
+        let mut clip_from_view = self.view.clip_from_view;
+        let pixels = self.jitter.map_or(Vec2::ZERO, |jitter| -jitter.offset);
+        if let Some(jitter) = self.jitter.filter(|_| clip_from_view.w_axis.w == 1.0) {
+            // Bevy shears orthographic pictures: far surfaces move by more than the jitter.
+            jitter.jitter_projection(&mut clip_from_view, self.size.as_vec2());
+            let shift = -2.0 * pixels * Vec2::new(1.0, -1.0) / self.size.as_vec2();
+            clip_from_view = Mat4::from_translation(shift.extend(0.0)) * clip_from_view;
+        }
+        let position = self.view.world_from_view.translation();
+        let mut camera = CameraView::new(clip_from_view * view_from_world, position);
+        camera.jitter = pixels;
         camera
     }
 }

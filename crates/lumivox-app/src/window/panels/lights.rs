@@ -71,6 +71,8 @@ fn chosen(ui: &mut Ui, name: &str, light: &Light, outbox: &mut Outbox) {
                 let changed = ui.push_id(&key, |ui| {
                     ui.horizontal(|ui| vector(ui, &mut numbers, 0.01, 3, names)).inner
                 });
+                let low = field.range(light).0 as f32;
+                let numbers = numbers.map(|number| number.max(low));
                 // A direction must not be zero; an optional vector of zeros is none.
                 let is_zero = numbers.iter().all(|number| *number == 0.0);
                 if changed.inner && !(is_zero && field.form == LightForm::Direction) {
@@ -92,7 +94,10 @@ fn number(ui: &mut Ui, outbox: &mut Outbox, of: (&LightField, &Light), key: &str
         // The least value above 0 would be rounded to 0.
         let low = if low > 0.0 && !is_optional { 0.01 } else { low as f32 };
         let is_none = is_optional && value == 0.0;
-        let drag = DragValue::new(&mut value).range(low..=(high as f32).min(f32::MAX));
+        // Rounding must not exceed the range.
+        let greatest = (high as f32).min(f32::MAX);
+        let high = if f64::from(greatest) > high { greatest.next_down() } else { greatest };
+        let drag = DragValue::new(&mut value).range(low..=high).clamp_existing_to_range(false);
         let drag = drag.speed(speed).max_decimals(4);
         let drag = if is_none {
             drag.custom_formatter(|_, _| "none".to_owned())

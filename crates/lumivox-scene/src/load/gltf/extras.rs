@@ -74,8 +74,10 @@ pub(super) fn restore_light(light: &mut Light, extras: &Extras) {
     let scale = number(&own["colorScale"]).filter(|&scale| scale >= 1.0).unwrap_or(1.0);
     light.color *= scale;
     light.intensity /= scale;
-    light.angular_radius_rad =
-        not_negative(&own["angularRadiusRad"]).unwrap_or(light.angular_radius_rad);
+    let angular_radius_rad = not_negative(&own["angularRadiusRad"]);
+    light.angular_radius_rad = angular_radius_rad
+        .filter(|radius_rad| *radius_rad <= std::f32::consts::FRAC_PI_2)
+        .unwrap_or(light.angular_radius_rad);
 }
 
 fn attenuation(value: &Value) -> Option<Attenuation> {
