@@ -140,33 +140,33 @@ export interface Light {
   /** The kind. Default: "point". */
   kind?: LightKind;
   /** Strength, luminous intensity; of a sun illuminance:
-   * a number from 0, cd. Default: 1. */
+   * a number from 0 to 1e10, cd. Default: 100. */
   intensity?: number;
   /** Colour, linear red, green and blue:
-   * three numbers R G B from 0. Default: 1 1 1. */
+   * three numbers R G B from 0 to 1e6. Default: 1 1 1. */
   color?: [number, number, number];
   /** Position, place in the world:
-   * three numbers X Y Z, m. Default: 0 0 0. */
+   * three numbers X Y Z from -1e9 to 1e9, m. Default: 0 0 0. */
   position?: [number, number, number];
   /** Direction, in which the light travels:
    * three numbers X Y Z, not all 0. Default: 0 -1 0. */
   direction?: [number, number, number];
   /** Radius, of the source, for soft shadows:
-   * a number from 0, m. Default: 0. */
+   * a number from 0 to 1e6, m. Default: 0. */
   radius_m?: number;
   /** Range, distance beyond which the light may be cut off:
-   * a number above 0, m, or none. Default: none. */
+   * a number above 0 to 1e9, m, or none. Default: none. */
   range_m?: number | null;
   /** Outer angle, from the axis to the end of the light:
-   * an angle above 0 to 90 degrees. Default: 45. */
+   * an angle above 0 to 90 degrees. Default: 30. */
   outer_angle_deg?: number;
   /** Inner angle, from the axis to the fall-off:
-   * an angle from 0 to outer, 45 degrees. Default: 0. */
+   * an angle from 0 to outer, 30 degrees. Default: 20. */
   inner_angle_deg?: number;
   /** Angular radius, for soft shadows:
-   * an angle from 0 to 90 degrees. Default: 0. */
+   * an angle from 0 to 90 degrees. Default: 0.26642538. */
   angular_radius_deg?: number;
   /** Attenuation, fall-off in the look vxct:
-   * three numbers CONSTANT LINEAR QUADRATIC from 0, not all 0, or none. Default: none. */
+   * three numbers CONSTANT LINEAR QUADRATIC from 0 to 1e6, not all 0, or none. Default: none. */
   attenuation?: [number, number, number] | null;
 }

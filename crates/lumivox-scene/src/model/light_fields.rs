@@ -216,6 +216,11 @@ const fn row(
     LightField { name, key, title, summary, ..ROW }
 }
 
+/// A bound in few characters.
+fn short(number: f64) -> String {
+    if number.abs() >= 1e6 { format!("{number:e}") } else { number.to_string() }
+}
+
 /// A number in place of a vector.
 fn one(number: f32) -> Vec3 {
     Vec3::new(number, 0.0, 0.0)
@@ -364,7 +369,7 @@ impl LightField {
         if is_allowed { Ok(()) } else { Err(self.expected(light)) }
     }
 
-    /// The allowed values in words: `a number from 0, cd`.
+    /// The allowed values in words: `a number from 0 to 1e10, cd`.
     pub fn expected(&self, light: &Light) -> String {
         let what = match self.form.parts() {
             Some(parts) => format!("three numbers {}", parts.join(" ").to_uppercase()),
@@ -375,13 +380,13 @@ impl LightField {
         let from = if low > 0.0 {
             " above 0".to_owned()
         } else if low.is_finite() {
-            format!(" from {low}")
+            format!(" from {}", short(low))
         } else {
             String::new()
         };
         let to = match self.limit {
             Some(limit) => format!(" to {limit}, {high}"),
-            None if high.is_finite() => format!(" to {high}"),
+            None if high.is_finite() => format!(" to {}", short(high)),
             None => String::new(),
         };
         let unit = match self.unit(light.kind) {
@@ -429,13 +434,13 @@ mod tests {
     fn values_out_of_range_change_nothing() {
         let mut light = Light::typical(Spot);
         for (name, value, allowed) in [
-            ("strength", LightValue::Number(-1.0), "a number from 0, cd"),
-            ("strength", LightValue::None, "a number from 0, cd"),
-            ("range", LightValue::Number(0.0), "a number above 0, m, or none"),
+            ("strength", LightValue::Number(-1.0), "a number from 0 to 1e10, cd"),
+            ("strength", LightValue::None, "a number from 0 to 1e10, cd"),
+            ("range", LightValue::Number(0.0), "a number above 0 to 1e9, m, or none"),
             ("outer", LightValue::Number(90.1), "an angle above 0 to 90 degrees"),
             ("inner", LightValue::Number(31.0), "an angle from 0 to outer, 30 degrees"),
             ("direction", LightValue::Vector([0.0; 3]), "three numbers X Y Z, not all 0"),
-            ("color", LightValue::Vector([0.0, f64::NAN, 0.0]), "three numbers R G B from 0"),
+            ("color", LightValue::Vector([0.0, f64::NAN, 0.0]), "three numbers R G B from 0 to 1e6"),
         ] {
             let field = LIGHT_FIELDS.iter().find(|field| field.name == name).unwrap();
             assert_eq!(field.set_value(&mut light, &value), Err(allowed.to_owned()));

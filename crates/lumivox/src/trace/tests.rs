@@ -305,6 +305,21 @@ fn what_is_forgotten_does_not_shine_through() {
     }
 }
 
+/// The camera of a frame without cones is still the previous one; after a cut there is none.
+#[test]
+fn a_skipped_frame_keeps_its_camera() {
+    let room = Room::new();
+    let mut view = room.view(&TraceSettings::preset(Preset::Realtime));
+    let first = view.camera().clip_from_world;
+    let second = CameraView::new(Mat4::from_scale(Vec3::splat(0.5)) * first, Vec3::ONE);
+    view.skip();
+    view.set_camera(&room.queue, second);
+    assert_eq!(view.previous_clip_from_world(), first);
+    view.forget();
+    view.set_camera(&room.queue, second);
+    assert_eq!(view.previous_clip_from_world(), second.clip_from_world);
+}
+
 /// As when an engine hands over light that is not a number for one frame.
 #[test]
 fn what_is_not_a_number_is_not_remembered() {

@@ -21,7 +21,7 @@ pub struct CameraView {
     /// advances the jitter of the cones. Without
     /// [`TraceSettings::temporal`](crate::TraceSettings::temporal), pixels share less and less
     /// light with their neighbours: all in frame 0, half in frame 2, a tenth in frame 18. Default:
-    /// the number of frames that the view has traced with `temporal`, 0 without.
+    /// the number of frames that the view has traced.
     pub frame: Option<u32>,
     /// Sub-pixel shift of the picture, so that frames sample different positions: in pixels, x to
     /// the right, y down. The G-buffer has to be drawn with it ([`GiView::clip_from_world`]). It
@@ -109,14 +109,13 @@ impl GiView {
         self.camera = camera;
         let clip_from_world = self.clip_from_world();
         let previous_clip_from_world = self.previous_clip_from_world();
-        let counted = if self.targets.is_temporal() { self.traced } else { 0 };
         let uniform = CameraViewUniform {
             clip_from_world,
             world_from_clip: clip_from_world.inverse(),
             previous_clip_from_world,
             previous_world_from_clip: previous_clip_from_world.inverse(),
             position_in_world: camera.position.to_array(),
-            frame: camera.frame.unwrap_or(counted),
+            frame: camera.frame.unwrap_or(self.traced),
             size: self.size().to_array(),
             has_motion: u32::from(self.has_motion),
             padding_0: 0,

@@ -31,7 +31,7 @@ const WRONG: &[(&str, &[&str])] = &[
     ("add_light lamp", &["point, spot or sun", "\"lamp\""]),
     ("add_light point strength -1", &["strength", "from 0"]),
     ("add_light spot outer 10 inner 20", &["inner is an angle from 0 to outer, 10 degrees"]),
-    ("light lamp range 0", &["range is a number above 0, m, or none"]),
+    ("light lamp range 0", &["range is a number above 0 to 1e9, m, or none"]),
     ("remove_light x", &["there is no light \"x\""]),
     ("resolution 100", &["multiple of 8", "\"100\""]),
     ("volume octre", &["dense, octree or cascades", "did you mean \"octree\"?"]),
