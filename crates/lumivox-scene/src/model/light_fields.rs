@@ -440,7 +440,11 @@ mod tests {
             ("outer", LightValue::Number(90.1), "an angle above 0 to 90 degrees"),
             ("inner", LightValue::Number(31.0), "an angle from 0 to outer, 30 degrees"),
             ("direction", LightValue::Vector([0.0; 3]), "three numbers X Y Z, not all 0"),
-            ("color", LightValue::Vector([0.0, f64::NAN, 0.0]), "three numbers R G B from 0 to 1e6"),
+            (
+                "color",
+                LightValue::Vector([0.0, f64::NAN, 0.0]),
+                "three numbers R G B from 0 to 1e6",
+            ),
         ] {
             let field = LIGHT_FIELDS.iter().find(|field| field.name == name).unwrap();
             assert_eq!(field.set_value(&mut light, &value), Err(allowed.to_owned()));
