@@ -96,7 +96,7 @@ impl Default for Light {
 }
 
 impl Light {
-    /// A new light of a kind for somebody to place: a lamp of 100 cd, a noon sun from above.
+    /// A new light of a kind, yet to be placed: a lamp of 100 cd, a noon sun from above.
     pub fn typical(kind: LightKind) -> Self {
         let lamp = Self { kind, intensity: 100.0, ..Self::default() };
         match kind {

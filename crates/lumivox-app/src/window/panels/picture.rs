@@ -86,7 +86,7 @@ impl State {
     }
 }
 
-/// What the picture shows, and what its input changes.
+/// The data that the picture's panel shows, and the state that its mouse and keys change.
 struct Panel<'a> {
     published: &'a Published,
     model: &'a Model,
