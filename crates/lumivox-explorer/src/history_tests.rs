@@ -1,7 +1,7 @@
 //! Undo and redo.
 
 use glam::{UVec2, Vec3};
-use lumivox::{OctreeOptions, Preset, VolumeKind};
+use lumivox::{Preset, VolumeKind};
 use pollster::block_on;
 
 use super::tests::{explorer, fresh, opened, picture, small};
@@ -134,7 +134,7 @@ fn what_is_refused_leaves_no_step() {
     picture(&mut explorer);
     explorer.set_hidden(0, true);
     explorer.end_gesture();
-    let volume = VolumeKind::Octree(OctreeOptions::default());
+    let volume = VolumeKind::Octree;
     let ask =
         |e: &Explorer| RenderSettings { volume, volume_memory: Some(1), ..e.settings().clone() };
     let (asked, preset) = (ask(&explorer), explorer.preset());

@@ -111,7 +111,7 @@ fn what_the_renderer_refuses_is_taken_back() {
     assert!(explorer.set_settings(asked).is_err(), "out of range: refused at once");
     explorer.set_settings(explorer.settings_of(PresetChoice::Cones(Preset::High))).unwrap();
     explorer.note_preset(PresetChoice::Cones(Preset::High));
-    let volume = lumivox::VolumeKind::Octree(lumivox::OctreeOptions::default());
+    let volume = lumivox::VolumeKind::Octree;
     let asked = RenderSettings { volume, volume_memory: Some(1), ..explorer.settings().clone() };
     explorer.set_settings(asked).unwrap();
     assert!(

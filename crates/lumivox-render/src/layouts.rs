@@ -3,11 +3,11 @@
 
 use lumivox::gpu::ShaderLibrary;
 use lumivox::shaders::library_with_volume;
-use lumivox::{Directionality, OctreeOptions, VolumeKind};
+use lumivox::{Directionality, VolumeKind};
 use lumivox_reflect::{check_modules, check_struct};
 
 fn libraries() -> Vec<ShaderLibrary> {
-    let octree = VolumeKind::Octree(OctreeOptions::default());
+    let octree = VolumeKind::Octree;
     let kinds = [VolumeKind::Dense, octree, VolumeKind::Cascades];
     let directionalities = [Directionality::SixLobes, Directionality::Isotropic];
     let pairs = kinds.into_iter().flat_map(|kind| directionalities.map(|d| (kind, d)));

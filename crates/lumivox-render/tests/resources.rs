@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 use common::{builtin, gpu, picture, renderer};
 use glam::{UVec2, Vec3};
 use lumivox::gpu::{LiveResources, Timing};
-use lumivox::{Directionality, OctreeOptions, VolumeKind};
+use lumivox::{Directionality, VolumeKind};
 use lumivox_render::reference::{PathTracer, ReferenceSettings};
 use lumivox_render::{
     Gpu, GpuOptions, Overlay, RenderSettings, Renderer, ShadowMethod, View, Wireframe, Wires,
@@ -32,7 +32,7 @@ fn small() -> RenderSettings {
 
 /// Settings that make other things, by what they change.
 fn variants() -> Vec<(&'static str, RenderSettings)> {
-    let octree = VolumeKind::Octree(OctreeOptions::default());
+    let octree = VolumeKind::Octree;
     let overlay = Overlay {
         wireframe: Wireframe::Over,
         wire_voxels: Wires::Over,

@@ -51,7 +51,7 @@ impl Options {
                 "volume" => {
                     volume = match value.as_str() {
                         "dense" => VolumeKind::Dense,
-                        "octree" => VolumeKind::Octree(lumivox::OctreeOptions::default()),
+                        "octree" => VolumeKind::Octree,
                         _ => return Err(bad("dense or octree")),
                     }
                 }
@@ -124,7 +124,7 @@ mod tests {
         assert!(!options.settings.temporal, "the preset comes first, wherever it stands");
         assert_eq!(options.config.grid.dimensions.x, 64);
         assert_eq!(options.faces_per_frame, Some(5000));
-        assert!(matches!(options.config.volume, VolumeKind::Octree(_)));
+        assert!(matches!(options.config.volume, VolumeKind::Octree));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use lumivox::gpu::ShaderLibrary;
 use lumivox::shaders::library_with_volume;
-use lumivox::{Directionality, OctreeOptions, VolumeKind};
+use lumivox::{Directionality, VolumeKind};
 use lumivox_reflect::{check_modules, check_struct};
 
 use super::records::{VxctDraw, VxctLight};
@@ -25,7 +25,7 @@ fn structs_lie_in_memory_alike() {
 
 #[test]
 fn every_shader_is_valid() {
-    for kind in [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())] {
+    for kind in [VolumeKind::Dense, VolumeKind::Octree] {
         let library = library_of(kind);
         assert!(check_modules(&library, "vxct::") > 0, "the library has no entry points");
     }

@@ -15,8 +15,8 @@ use crate::volume::{CellVolume, read_levels, read_nodes};
 use crate::voxelize::FrameVoxels;
 use crate::voxels::{FaceRecord, NodeRecord};
 use crate::{
-    FrameStatus, Geometry, Gi, GiConfig, Grid, Light, LightSource, Lights, OctreeOptions, Shadow,
-    SurfaceMaterial, TraceSettings, VolumeKind,
+    FrameStatus, Geometry, Gi, GiConfig, Grid, Light, LightSource, Lights, Shadow, SurfaceMaterial,
+    TraceSettings, VolumeKind,
 };
 
 /// A device with a scene in a grid.
@@ -62,7 +62,7 @@ impl Stage {
     }
 
     fn is_octree(&self) -> bool {
-        matches!(self.gi.config().volume, VolumeKind::Octree(_))
+        matches!(self.gi.config().volume, VolumeKind::Octree)
     }
 
     /// One recorded voxelization, submitted and done: the next one knows all that it has found.
@@ -185,7 +185,7 @@ fn at(x: f32, y: f32, z: f32) -> Mat4 {
 }
 
 fn volumes() -> [VolumeKind; 2] {
-    [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())]
+    [VolumeKind::Dense, VolumeKind::Octree]
 }
 
 /// From nothing, through walls, out of the grid and back; without the moving box, without the

@@ -13,10 +13,10 @@ use crate::trace::{CameraViewUniform, ScreenSettings};
 use crate::volume::changes::{LevelWords, ListParams};
 use crate::volume::{MaskLevels, OldAtlas, TreeNeeds, TreeUniform};
 use crate::voxels::{FaceRecord, NodeRecord};
-use crate::{Directionality, OctreeOptions, VolumeKind, shaders};
+use crate::{Directionality, VolumeKind, shaders};
 
 fn libraries() -> Vec<ShaderLibrary> {
-    let octree = VolumeKind::Octree(OctreeOptions::default());
+    let octree = VolumeKind::Octree;
     let kinds = [VolumeKind::Dense, octree, VolumeKind::Cascades];
     let directionalities = [Directionality::SixLobes, Directionality::Isotropic];
     let pairs = kinds.into_iter().flat_map(|kind| directionalities.map(|d| (kind, d)));

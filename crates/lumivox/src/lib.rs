@@ -63,8 +63,7 @@ pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps, ShadowSource};
 pub use points::{GatherPoints, GatherSettings, GatheredPoint, Irradiance};
 pub use trace::{AS_THE_CAMERA, CameraView, GBuffer, GBufferViews, GiView};
-pub use volume::{Directionality, VolumeKind, dense_volume_bytes};
-pub use volume::{Duplication, Mipmapping, OctreeOptions, OctreeStats};
+pub use volume::{Directionality, OctreeStats, VolumeKind, dense_volume_bytes};
 // Re-exported, since the caller must use this version of wgpu.
 pub use wgpu;
 

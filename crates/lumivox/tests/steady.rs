@@ -8,8 +8,8 @@ use glam::{Mat4, Vec3};
 use lumivox::gpu::{MadeResources, Recorder, Timing, storage_buffer};
 use lumivox::internal::waits;
 use lumivox::{
-    Draw, Frame, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, OctreeOptions,
-    Shadow, SurfaceMaterial, TraceSettings, VolumeKind,
+    Draw, Frame, Geometry, GeometryBatch, Gi, GiConfig, Grid, Light, LightSource, Shadow,
+    SurfaceMaterial, TraceSettings, VolumeKind,
 };
 
 /// A quad over x and z, facing up.
@@ -26,7 +26,7 @@ fn lamp(position: Vec3) -> Light {
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_steady_frame_makes_nothing() {
-    for volume in [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())] {
+    for volume in [VolumeKind::Dense, VolumeKind::Octree] {
         check_steady(volume);
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::TypedValueParser;
 use glam::UVec2;
-use lumivox::{OctreeOptions, VolumeKind};
+use lumivox::VolumeKind;
 use lumivox_console::values::choices::among;
 use lumivox_console::{LoadArgs, SceneSource};
 use lumivox_render::PresetChoice;
@@ -54,7 +54,7 @@ impl VolumeChoice {
     pub fn volume(self) -> VolumeKind {
         match self {
             Self::Dense => VolumeKind::Dense,
-            Self::Octree => VolumeKind::Octree(OctreeOptions::default()),
+            Self::Octree => VolumeKind::Octree,
         }
     }
 }

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use clap::{Arg, ArgAction, Command as Definition, CommandFactory, Parser as _};
 use glam::{UVec2, Vec3};
-use lumivox::{Directionality, OctreeOptions, VolumeKind};
+use lumivox::{Directionality, VolumeKind};
 use lumivox_classics::photons::photons;
 use lumivox_classics::raster::Raster;
 use lumivox_classics::report::ReportCones;
@@ -194,7 +194,7 @@ fn arguments_reach_the_settings() {
         grid_offset: Vec3::new(0.0, 0.5, 0.0),
         directionality: Directionality::Isotropic,
         voxelizer: Some(Arc::new(Raster::ThreePlane)),
-        volume: VolumeKind::Octree(OctreeOptions::default()),
+        volume: VolumeKind::Octree,
         volume_memory: Some(1 << 30),
         trace: lumivox::TraceSettings::preset(lumivox::Preset::Fast),
         bounces: 2,
@@ -228,7 +228,7 @@ fn a_preset_brings_its_companions_unless_told_otherwise() {
     };
     let report = RenderSettings {
         directionality: Directionality::Isotropic,
-        volume: VolumeKind::Octree(OctreeOptions::default()),
+        volume: VolumeKind::Octree,
         injection: Some(photons()),
         trace: ReportCones::trace_settings(),
         cone_model: ReportCones::REPORT.model(),

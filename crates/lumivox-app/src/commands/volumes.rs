@@ -2,9 +2,7 @@
 
 use glam::Vec3;
 use lumivox::gpu::{StageTime, Timing};
-use lumivox::{
-    Directionality, Duplication, Grid, Mipmapping, OctreeOptions, VolumeKind, dense_volume_bytes,
-};
+use lumivox::{Directionality, Grid, VolumeKind, dense_volume_bytes};
 use lumivox_console::report::{AdapterReport, SceneCounts, Table, bytes, count};
 use lumivox_console::{Failure, shown};
 use lumivox_explorer::parameters::{Value, find_parameter};
@@ -70,29 +68,13 @@ struct Variant {
 }
 
 fn variants(with_alternatives: bool) -> Vec<Variant> {
-    let octree =
-        |name, options| Variant { name, volume: VolumeKind::Octree(options), builder: None };
-    let usual = OctreeOptions::default();
+    let octree = |name, builder| Variant { name, volume: VolumeKind::Octree, builder };
     let mut variants = vec![
         Variant { name: "dense", volume: VolumeKind::Dense, builder: None },
-        octree("octree", usual),
+        octree("octree", None),
     ];
     if with_alternatives {
-        variants.extend([
-            Variant { builder: Some("locks"), ..octree("locks", usual) },
-            octree(
-                "neighbours by pointers",
-                OctreeOptions { duplication: Duplication::Pointers, ..usual },
-            ),
-            octree(
-                "neighbours by search",
-                OctreeOptions { duplication: Duplication::Search, ..usual },
-            ),
-            octree(
-                "mipmaps of every cell",
-                OctreeOptions { mipmapping: Mipmapping::Every, ..usual },
-            ),
-        ]);
+        variants.push(octree("locks", Some("locks")));
     }
     variants
 }

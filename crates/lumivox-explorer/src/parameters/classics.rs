@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use lumivox::hooks::{Injection, OctreeBuilding, Voxelization};
-use lumivox::{Directionality, OctreeOptions, VolumeKind};
+use lumivox::{Directionality, VolumeKind};
 use lumivox_classics::locks::{self, locks};
 use lumivox_classics::photons::{self, photons};
 use lumivox_classics::raster::Raster;
@@ -27,7 +27,7 @@ pub(super) const REPORT: PresetChoice = PresetChoice::Added(&AddedPreset {
     // The picture shows photons that were reflected once.
     companions: |usual| Companions {
         directionality: Directionality::Isotropic,
-        volume: VolumeKind::Octree(OctreeOptions::default()),
+        volume: VolumeKind::Octree,
         injection: Some(photons()),
         cone_model: ReportCones::REPORT.model(),
         bounces: 1,
@@ -39,7 +39,7 @@ pub(super) const REPORT: PresetChoice = PresetChoice::Added(&AddedPreset {
 /// without one ends its group or, if the table does not have that group, the table.
 pub(super) fn rows() -> Vec<(Parameter, Option<&'static str>)> {
     let mut rows = vec![
-        (Parameter::own(Group::Volume, OCTREE_BUILDER), Some("octree_duplication")),
+        (Parameter::own(Group::Volume, OCTREE_BUILDER), Some("cascades")),
         (Parameter::own(Group::Volume, VOXELIZER), None),
         (Parameter::own(Group::Light, INJECTION), Some("bounces")),
     ];
@@ -62,9 +62,7 @@ const OCTREE_BUILDER: Row = Row {
     get: |s| Value::Choice(s.octree_builder.as_ref().map_or(RANKS, |builder| builder.name())),
     set: |s, v| {
         s.octree_builder = octree_builder(v.name());
-        if !matches!(s.volume, VolumeKind::Octree(_)) {
-            s.volume = VolumeKind::Octree(OctreeOptions::default());
-        }
+        s.volume = VolumeKind::Octree;
     },
     ..Row::ROW
 };

@@ -115,7 +115,7 @@ fn locks_give_the_bits_of_ranks() {
 fn the_builder_goes_with_the_octree() {
     let mut settings = small();
     take(&mut settings, "octree_builder", "locks");
-    assert!(matches!(settings.volume, lumivox::VolumeKind::Octree(_)));
+    assert!(matches!(settings.volume, lumivox::VolumeKind::Octree));
     assert!(settings.octree_builder.is_some());
     let report = settings.with_preset(find_preset("report").expect("a preset"), None);
     assert!(report.octree_builder.is_none(), "the preset's octree is built by ranks");

@@ -153,10 +153,10 @@ fn voxel_remedy(settings: &RenderSettings) -> &'static str {
         (VolumeKind::Cascades, Directionality::Isotropic) => {
             "use fewer or smaller cascades (--cascades, --cascade-resolution)"
         }
-        (VolumeKind::Octree(_), Directionality::SixLobes) => {
+        (VolumeKind::Octree, Directionality::SixLobes) => {
             "lower the voxels' resolution, or keep them isotropic"
         }
-        (VolumeKind::Octree(_), Directionality::Isotropic) => "lower the voxels' resolution",
+        (VolumeKind::Octree, Directionality::Isotropic) => "lower the voxels' resolution",
     }
 }
 
@@ -169,10 +169,10 @@ fn volume_part(grid: &Grid, settings: &RenderSettings, voxels: u64) -> (&'static
         (VolumeKind::Dense | VolumeKind::Cascades, directionality) => {
             ("voxel volume", dense_volume_bytes(grid, directionality))
         }
-        (VolumeKind::Octree(_), Directionality::SixLobes) => {
+        (VolumeKind::Octree, Directionality::SixLobes) => {
             ("voxel volume (about)", voxels * OCTREE_BYTES_PER_VOXEL)
         }
-        (VolumeKind::Octree(_), Directionality::Isotropic) => {
+        (VolumeKind::Octree, Directionality::Isotropic) => {
             ("voxel volume (about)", voxels * ISOTROPIC_OCTREE_BYTES_PER_VOXEL)
         }
     }
@@ -296,7 +296,7 @@ mod tests {
     #[ignore = "slow: over three seconds"]
     fn what_was_estimated_is_what_is_allocated() {
         let gpu = gpu();
-        let octree = VolumeKind::Octree(lumivox::OctreeOptions::default());
+        let octree = VolumeKind::Octree;
         let presets = [Preset::Balanced, Preset::Fast, Preset::Realtime];
         for ((name, resolution, bounces, moving, volume), preset) in [
             ("spheres", 64, 8, 0, VolumeKind::Dense),

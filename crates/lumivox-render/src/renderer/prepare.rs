@@ -87,7 +87,7 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
                 Some(dense_volume_bytes(&config.grid, config.directionality)),
                 "use fewer or smaller ones (--cascades, --cascade-resolution)",
             ),
-            VolumeKind::Octree(_) => {
+            VolumeKind::Octree => {
                 ("an octree", None, "free memory for it, or lower the resolution")
             }
         };

@@ -303,7 +303,7 @@ impl RenderSettings {
                 expected: format!("at most {most}, this device's max_texture_dimension_2d"),
             });
         }
-        if self.view.needs_octree() && !matches!(self.volume, VolumeKind::Octree(_)) {
+        if self.view.needs_octree() && !matches!(self.volume, VolumeKind::Octree) {
             return Err(RenderError::Setting {
                 name: "view",
                 value: self.view.name().to_owned(),

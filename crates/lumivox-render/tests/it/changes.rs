@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{Mat4, UVec2, Vec3};
 use lumivox::gpu::Timing;
-use lumivox::{Directionality, OctreeOptions, Preset, TraceSettings, VolumeKind};
+use lumivox::{Directionality, Preset, TraceSettings, VolumeKind};
 use lumivox_render::{Exposure, RenderSettings, Renderer, ShadowMethod, ToneMap, View};
 use lumivox_scene::{LightKind, Scene, Shading};
 
@@ -42,7 +42,7 @@ fn settings_may_change_in_any_order() {
     });
     let mut changing = renderer(&gpu, &scene, settings());
     let mut before = picture(&mut changing);
-    let octree = VolumeKind::Octree(OctreeOptions::default());
+    let octree = VolumeKind::Octree;
     let changes: [fn(&mut RenderSettings, VolumeKind); 16] = [
         |s, _| s.shadow_resolution = 48,
         |s, _| s.resolution = 48,
@@ -254,7 +254,7 @@ fn nothing_in_the_grid_is_a_picture_where_it_may_be() {
     }
     let mut camera = scene.cameras[0].clone();
     camera.position.z += 50.0;
-    let octree = VolumeKind::Octree(OctreeOptions::default());
+    let octree = VolumeKind::Octree;
     for volume in [VolumeKind::Dense, octree] {
         let settings = RenderSettings { volume, ..settings() };
         let mut outside = renderer(&gpu, &scene, settings.clone());

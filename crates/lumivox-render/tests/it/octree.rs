@@ -2,7 +2,7 @@
 //! differ only in their last bits.
 
 use glam::{UVec2, Vec3};
-use lumivox::{Directionality, OctreeOptions, VolumeKind};
+use lumivox::{Directionality, VolumeKind};
 use lumivox_render::{Gpu, Picture, RenderError, RenderSettings, Renderer, ShadowMethod, View};
 use lumivox_scene::{Bounds, Camera, Instance, Material, Scene};
 
@@ -32,7 +32,7 @@ fn settings(volume: VolumeKind) -> RenderSettings {
 }
 
 fn octree() -> VolumeKind {
-    VolumeKind::Octree(OctreeOptions::default())
+    VolumeKind::Octree
 }
 
 fn rendered(gpu: &Gpu, scene: &str, settings: RenderSettings) -> Picture {

@@ -1,7 +1,7 @@
 //! The cost of a device's second renderer: its pipelines are those of the first.
 
 use glam::UVec2;
-use lumivox::{Directionality, OctreeOptions, VolumeKind};
+use lumivox::{Directionality, VolumeKind};
 use lumivox_render::{RenderProgress, RenderSettings, Renderer, ShadowMethod};
 
 use crate::common::{builtin, own_gpu, picture};
@@ -27,7 +27,7 @@ fn a_second_renderer_asks_for_nothing_new() {
     let total = counts.made as u32;
     assert_eq!(heard, (0..=total).map(|done| (done, total)).collect::<Vec<_>>());
 
-    let volume = VolumeKind::Octree(OctreeOptions::default());
+    let volume = VolumeKind::Octree;
     let directionality = Directionality::Isotropic;
     let round = [
         RenderSettings { volume, ..settings.clone() },

@@ -6,7 +6,7 @@
 use std::f32::consts::PI;
 
 use glam::{Mat4, UVec2, Vec2, Vec3};
-use lumivox::{OctreeOptions, TraceSettings, VolumeKind};
+use lumivox::{TraceSettings, VolumeKind};
 use lumivox_render::{
     COST_SCALE_SAMPLES, Exposure, Picture, RenderError, RenderSettings, Renderer, ShadowMethod,
     ToneMap, View,
@@ -261,7 +261,7 @@ fn progress_and_views_can_be_followed() {
     let mut seen = Vec::new();
     pollster::block_on(async {
         // An octree, with light of earlier frames, has all views.
-        let volume = VolumeKind::Octree(OctreeOptions::default());
+        let volume = VolumeKind::Octree;
         let trace = TraceSettings { temporal: true, ..TraceSettings::default() };
         let settings = RenderSettings { frames: 2, bounces: 1, volume, trace, ..small() };
         let mut progress = |p: lumivox_render::RenderProgress| seen.push((p.stage, p.done));

@@ -21,16 +21,8 @@ pub struct Mesh {
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub struct Camera {
     pub clip_from_world: Mat4,
-    /// The transform of the quads that move.
-    pub world_from_moving: Mat4,
-    /// Set by the pass.
-    first_moving: [u32; 4],
-}
-
-impl Camera {
-    pub fn new(clip_from_world: Mat4, world_from_moving: Mat4) -> Self {
-        Self { clip_from_world, world_from_moving, first_moving: [0; 4] }
-    }
+    /// The transforms of the quads that rest and of those that move.
+    pub world_from_local: [Mat4; 2],
 }
 
 #[repr(C)]
@@ -68,6 +60,7 @@ pub struct Raster {
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     index_count: u32,
+    /// The first index of the quads that move.
     first_moving: u32,
     camera: wgpu::Buffer,
     group: wgpu::BindGroup,
@@ -99,26 +92,13 @@ impl Raster {
             bytemuck::bytes_of(&Camera::zeroed()),
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         );
-        let texture = |format| {
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("G-buffer"),
-                size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                    | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            });
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
-        };
         let pipeline = pipeline(device);
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("camera"),
             layout: &pipeline.get_bind_group_layout(0),
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: camera.as_entire_binding() }],
         });
+        let (depth, colors) = targets(device, size);
         Self {
             vertices: buffer(
                 bytemuck::cast_slice(&mesh.vertices),
@@ -129,13 +109,17 @@ impl Raster {
                 wgpu::BufferUsages::INDEX | shared,
             ),
             index_count: mesh.indices.len() as u32,
-            first_moving: 4 * mesh.first_moving,
+            first_moving: 6 * mesh.first_moving,
             camera,
             group,
             pipeline,
-            depth: texture(wgpu::TextureFormat::Depth32Float),
-            colors: FORMATS.map(texture),
+            depth,
+            colors,
         }
+    }
+
+    pub fn resize(&mut self, device: &wgpu::Device, size: UVec2) {
+        (self.depth, self.colors) = targets(device, size);
     }
 
     /// The positions among the engine's vertices, and its indices.
@@ -157,7 +141,6 @@ impl Raster {
 
     /// Draws the mesh.
     pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, queue: &wgpu::Queue, camera: Camera) {
-        let camera = Camera { first_moving: [self.first_moving; 4], ..camera };
         queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&camera));
         let colors = self.colors.each_ref().map(|view| {
             Some(wgpu::RenderPassColorAttachment {
@@ -188,8 +171,34 @@ impl Raster {
         pass.set_bind_group(0, &self.group, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
-        pass.draw_indexed(0..self.index_count, 0, 0..1);
+        pass.draw_indexed(0..self.first_moving, 0, 0..1);
+        pass.draw_indexed(self.first_moving..self.index_count, 0, 1..2);
     }
+}
+
+/// The depth and the colours.
+fn targets(device: &wgpu::Device, size: UVec2) -> (wgpu::TextureView, [wgpu::TextureView; 4]) {
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+    let target = |format| texture(device, size, format, usage).create_view(&Default::default());
+    (target(wgpu::TextureFormat::Depth32Float), FORMATS.map(target))
+}
+
+pub fn texture(
+    device: &wgpu::Device,
+    size: UVec2,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("engine"),
+        size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
 }
 
 fn pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {

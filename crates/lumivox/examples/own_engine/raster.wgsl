@@ -2,9 +2,8 @@
 
 struct Camera {
     clip_from_world: mat4x4f,
-    // The transform of the vertices from `first_moving` on.
-    world_from_moving: mat4x4f,
-    first_moving: u32,
+    // The transform of each instance.
+    world_from_local: array<mat4x4f, 2>,
 }
 
 @group(0) @binding(0) var<uniform> camera: Camera;
@@ -17,17 +16,14 @@ struct Varyings {
 
 @vertex
 fn vertex(
-    @builtin(vertex_index) index: u32,
+    @builtin(instance_index) instance: u32,
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) albedo: vec3f,
 ) -> Varyings {
-    var in_world = vec4f(position, 1.0);
-    var turned = vec4f(normal, 0.0);
-    if index >= camera.first_moving {
-        in_world = camera.world_from_moving * in_world;
-        turned = camera.world_from_moving * turned;
-    }
+    let transform = camera.world_from_local[instance];
+    let in_world = transform * vec4f(position, 1.0);
+    let turned = transform * vec4f(normal, 0.0);
     return Varyings(camera.clip_from_world * in_world, turned.xyz, albedo);
 }
 

@@ -1,5 +1,5 @@
 // The engine's own shading: it links against Lumivox's modules for its lights, their shadows and
-// the G-buffer, adds the traced irradiance, and keeps a running mean over frames.
+// the G-buffer, and adds the traced irradiance.
 
 import package::environment::environment_background;
 import package::light::lights::{incident_light, light_globals, lights};
@@ -8,7 +8,7 @@ import package::trace::gbuffer::{gbuffer_diffuse, load_surface};
 import package::trace::view::{ray_direction, view};
 
 @group(1) @binding(0) var irradiance: texture_2d<f32>;
-@group(1) @binding(1) var<storage, read_write> picture: array<vec4f>;
+@group(1) @binding(1) var picture: texture_storage_2d<rgba16float, write>;
 
 @compute @workgroup_size(8, 8)
 fn shade(@builtin(global_invocation_id) invocation: vec3u) {
@@ -28,7 +28,5 @@ fn shade(@builtin(global_invocation_id) invocation: vec3u) {
         }
         color = textureLoad(gbuffer_diffuse, pixel, 0).rgb / 3.14159265 * sum;
     }
-    let index = pixel.y * view.size.x + pixel.x;
-    let share = 1.0 / f32(view.frame + 1u);
-    picture[index] = mix(picture[index], vec4f(color, 1.0), share);
+    textureStore(picture, pixel, vec4f(color, 1.0));
 }

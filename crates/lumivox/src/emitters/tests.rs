@@ -9,8 +9,8 @@ use crate::gpu::{Buffer, Pipelines, Recorder, Timing};
 use crate::light::Budget;
 use crate::testing::{SceneBuilder, device, lambert, read, wait_until_read};
 use crate::{
-    Draw, GatherSettings, Geometry, GeometryBatch, Gi, GiConfig, Grid, Lights, OctreeOptions,
-    SurfaceMaterial, SurfaceTexture, TraceSettings, VertexAttributes, VolumeKind,
+    Draw, GatherSettings, Geometry, GeometryBatch, Gi, GiConfig, Grid, Lights, SurfaceMaterial,
+    SurfaceTexture, TraceSettings, VertexAttributes, VolumeKind,
 };
 
 /// A scene between the corners of the unit cube, lit by what shines in it.
@@ -434,7 +434,7 @@ fn walls_that_shine_light_each_other() {
 #[test]
 #[ignore = "slow: over three seconds"]
 fn lamps_have_the_same_bits_wherever_they_come_from() {
-    for volume in [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())] {
+    for volume in [VolumeKind::Dense, VolumeKind::Octree] {
         let scene = || {
             let [corner, u, v] = lamp(0.5);
             let material =

@@ -7,7 +7,7 @@ use super::*;
 #[test]
 #[ignore = "slow: over three seconds"]
 fn an_octree_without_room_shows_what_it_showed() {
-    let volume = VolumeKind::Octree(OctreeOptions::default());
+    let volume = VolumeKind::Octree;
     let mut stage = Stage::with(volume, Vec3::new(1.0, 0.7, 0.9), 64);
     // A box and a plate in the air that grow and turn.
     let geometry = room_with_a_box().build(&stage.device);

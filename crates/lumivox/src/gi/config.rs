@@ -70,6 +70,6 @@ impl GiConfig {
 
     /// Whether there are cells.
     pub fn has_cells(&self) -> bool {
-        self.keeps_cells || self.cones.is_some() || matches!(self.volume, VolumeKind::Octree(_))
+        self.keeps_cells || self.cones.is_some() || matches!(self.volume, VolumeKind::Octree)
     }
 }

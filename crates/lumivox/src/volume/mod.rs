@@ -24,12 +24,9 @@ use changes::ChangedCells;
 use dense::DenseVolume;
 #[cfg(test)]
 pub(crate) use dense::{Level, MaskLevels, read_levels};
-pub use octree::{
-    Duplication, Mipmapping, OctreeBuilder, OctreeBuilding, OctreeOptions, OctreeParts,
-    OctreeStats, TreeToBuild,
-};
 #[cfg(test)]
 pub(crate) use octree::{Needs as TreeNeeds, OldAtlas, TreeUniform, read_nodes};
+pub use octree::{OctreeBuilder, OctreeBuilding, OctreeParts, OctreeStats, TreeToBuild};
 pub(crate) use octree::{OctreeVolume, ShownList};
 pub(crate) use surface::SURFACE_BYTES;
 use surface::Surface;
@@ -49,7 +46,7 @@ pub enum VolumeKind {
     /// 3D textures for the boxes of a clipmap around the camera; only for a [`Grid::cascades`].
     Cascades,
     /// A sparse octree with bricks: memory grows with the surface.
-    Octree(OctreeOptions),
+    Octree,
 }
 
 impl Default for VolumeKind {
@@ -126,7 +123,7 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
     };
     let cells = match kind {
         VolumeKind::Dense | VolumeKind::Cascades => "volume::dense::cells",
-        VolumeKind::Octree(_) => "volume::octree::cells",
+        VolumeKind::Octree => "volume::octree::cells",
     };
     shaders
         .fill(crate::gpu::implementation(volume))
@@ -202,8 +199,8 @@ impl Volume {
                 DenseVolume::new(device, shaders, grid, (directionality, budget), emitters)
                     .map(|dense| CellVolume::Dense(Box::new(dense)))
             }
-            VolumeKind::Octree(options) => {
-                OctreeVolume::new(device, shaders, grid, (options, building, budget), emitters)
+            VolumeKind::Octree => {
+                OctreeVolume::new(device, shaders, grid, (building, budget), emitters)
                     .map(|octree| CellVolume::Octree(Box::new(octree)))
             }
         });

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{Recorder, Timing, open_device};
 use lumivox::{
-    Draw, Frame, Geometry, GeometryBatch, Gi, GiConfig, Grid, OctreeOptions, SurfaceMaterial,
-    TraceSettings, VolumeKind,
+    Draw, Frame, Geometry, GeometryBatch, Gi, GiConfig, Grid, SurfaceMaterial, TraceSettings,
+    VolumeKind,
 };
 use wgpu::util::{BufferInitDescriptor, DeviceExt as _};
 
@@ -27,7 +27,7 @@ fn geometry(device: &wgpu::Device) -> Geometry {
 
 #[test]
 fn a_device_may_be_lost_in_the_middle_of_a_frame() {
-    for volume in [VolumeKind::Dense, VolumeKind::Octree(OctreeOptions::default())] {
+    for volume in [VolumeKind::Dense, VolumeKind::Octree] {
         let (device, queue) = pollster::block_on(open_device()).expect("a device");
         let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO).expect("it fits");
         let config = GiConfig { volume, ..GiConfig::new(grid) };

@@ -47,7 +47,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     let centre = match settings.volume {
         // Cascades are centred on the default camera.
         VolumeKind::Cascades => resolve(None, &scene, 16.0 / 9.0)?.position,
-        VolumeKind::Dense | VolumeKind::Octree(_) => Vec3::ZERO,
+        VolumeKind::Dense | VolumeKind::Octree => Vec3::ZERO,
     };
     let grid = settings.grid(bounds, centre)?;
 

@@ -10,9 +10,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use lumivox::gpu::{Pipelines, Recorder, Timing};
-use lumivox::{
-    Frame, Geometry, Gi, GiConfig, GiError, Grid, OctreeOptions, TraceSettings, VolumeKind,
-};
+use lumivox::{Frame, Geometry, Gi, GiConfig, GiError, Grid, TraceSettings, VolumeKind};
 use lumivox_classics::locks::locks;
 
 use crate::testing::nodes::{
@@ -23,7 +21,7 @@ use read::read_bricks;
 use watched::Watched;
 
 fn by_ranks(grid: Grid) -> GiConfig {
-    GiConfig { volume: VolumeKind::Octree(OctreeOptions::default()), ..GiConfig::new(grid) }
+    GiConfig { volume: VolumeKind::Octree, ..GiConfig::new(grid) }
 }
 
 fn by_locks(grid: Grid) -> GiConfig {

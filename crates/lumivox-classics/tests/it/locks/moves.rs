@@ -6,8 +6,7 @@
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{Pipelines, Recorder, Timing};
 use lumivox::{
-    Duplication, Geometry, Gi, GiConfig, Grid, Light, LightSource, OctreeOptions, Shadow,
-    TraceSettings, VolumeKind,
+    Geometry, Gi, GiConfig, Grid, Light, LightSource, Shadow, TraceSettings, VolumeKind,
 };
 
 use super::read::read_bricks;
@@ -21,12 +20,12 @@ struct Pair {
 }
 
 impl Pair {
-    fn new(options: OctreeOptions) -> Self {
+    fn new() -> Self {
         let gpu = device();
         let size = Vec3::new(1.0, 0.7, 0.9);
         let grid = Grid::fit(Vec3::ZERO, size, 32, Vec3::ZERO).expect("it fits");
         let gis = [by_ranks(grid), by_locks(grid)].map(|config| {
-            let config = GiConfig { volume: VolumeKind::Octree(options), ..config };
+            let config = GiConfig { volume: VolumeKind::Octree, ..config };
             Gi::with_pipelines(&gpu.0, &gpu.1, config).expect("a device")
         });
         Self { gpu, gis }
@@ -97,7 +96,7 @@ fn at(x: f32, y: f32, z: f32) -> Mat4 {
 #[test]
 #[ignore = "slow: over three seconds"]
 fn moves_that_are_waited_for_leave_the_bits_of_ranks() {
-    let mut pair = Pair::new(OctreeOptions::default());
+    let mut pair = Pair::new();
     let geometry = room_with_a_box().build(&pair.gpu.0);
     let places = [
         at(0.3, 0.4, 0.6),
@@ -121,8 +120,7 @@ fn moves_that_are_waited_for_leave_the_bits_of_ranks() {
 #[test]
 #[ignore = "slow: over three seconds"]
 fn moves_within_frames_leave_the_bits_of_ranks() {
-    let options = OctreeOptions { duplication: Duplication::Pointers, ..Default::default() };
-    let mut pair = Pair::new(options);
+    let mut pair = Pair::new();
     let geometry = room_with_a_box().build(&pair.gpu.0);
     let only = |is_static: bool| {
         let mut geometry = geometry.clone();

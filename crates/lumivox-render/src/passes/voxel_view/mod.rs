@@ -123,7 +123,7 @@ impl VoxelViewPass {
 
 /// The view to draw instead if `view` is not of voxels, or its data does not exist.
 fn shown(view: View, gi: &Gi) -> View {
-    let is_octree = matches!(gi.config().volume, VolumeKind::Octree(_));
+    let is_octree = matches!(gi.config().volume, VolumeKind::Octree);
     match view {
         View::Lit | View::Lod => view,
         View::Nodes | View::Bricks if is_octree => view,

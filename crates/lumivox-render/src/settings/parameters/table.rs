@@ -1,8 +1,7 @@
 //! The rows of the table, except those of the cones.
 
 use lumivox::{
-    CascadeOptions, Directionality, Duplication, MAX_CASCADES, MAX_RESOLUTION, MIN_RESOLUTION,
-    Mipmapping, OctreeOptions, VolumeKind,
+    CascadeOptions, Directionality, MAX_CASCADES, MAX_RESOLUTION, MIN_RESOLUTION, VolumeKind,
 };
 
 use super::{Choice, Choices as _, Kind, Redoes, Setting, Value};
@@ -186,36 +185,20 @@ pub(super) const VOLUME: &[Row] = &[
             Value::Choice(match s.volume {
                 VolumeKind::Dense => "dense",
                 VolumeKind::Cascades => "cascades",
-                VolumeKind::Octree(_) => "octree",
+                VolumeKind::Octree => "octree",
             })
         },
         set: |s, v| {
             s.volume = match v {
-                Value::Choice("octree") => VolumeKind::Octree(octree(s)),
+                Value::Choice("octree") => VolumeKind::Octree,
                 Value::Choice("cascades") => VolumeKind::Cascades,
                 _ => VolumeKind::Dense,
             };
-            if !matches!(s.volume, VolumeKind::Octree(_)) {
+            if !matches!(s.volume, VolumeKind::Octree) {
                 s.octree_builder = None;
             }
         },
         ..Row::ROW
-    },
-    Row {
-        name: "octree_duplication",
-        summary: "How cells find the bricks that hold them as neighbours; selects an octree",
-        kind: Kind::Choice(Duplication::CHOICES),
-        get: |s| Value::Choice(octree(s).duplication.choice()),
-        set: |s, v| set_octree(s, |octree| octree.duplication.choose(v)),
-        ..OF_OCTREE
-    },
-    Row {
-        name: "octree_mipmaps",
-        summary: "The cells over which coarser levels are filtered; selects an octree",
-        kind: Kind::Choice(Mipmapping::CHOICES),
-        get: |s| Value::Choice(octree(s).mipmapping.choice()),
-        set: |s, v| set_octree(s, |octree| octree.mipmapping.choose(v)),
-        ..OF_OCTREE
     },
     Row {
         name: "cascades",
@@ -329,10 +312,6 @@ pub const MAX_STOPS: f32 = 64.0;
 
 const MIB: f32 = 1_048_576.0;
 
-/// The base of the octree's options; setting them selects an octree.
-const OF_OCTREE: Row =
-    Row { needs: Some(("volume", "octree")), redoes: Redoes::Voxels, ..Row::ROW };
-
 /// The base of the cascades' options; setting them selects cascades.
 const OF_CASCADES: Row =
     Row { needs: Some(("volume", "cascades")), redoes: Redoes::Voxels, ..Row::ROW };
@@ -342,19 +321,4 @@ fn set_cascades(settings: &mut RenderSettings, change: impl FnOnce(&mut CascadeO
     change(&mut settings.cascades);
     settings.volume = VolumeKind::Cascades;
     settings.octree_builder = None;
-}
-
-/// The options of the octree, or the defaults if the volume is not an octree.
-fn octree(settings: &RenderSettings) -> OctreeOptions {
-    match settings.volume {
-        VolumeKind::Octree(options) => options,
-        VolumeKind::Dense | VolumeKind::Cascades => OctreeOptions::default(),
-    }
-}
-
-/// Selects an octree with a changed option.
-fn set_octree(settings: &mut RenderSettings, change: impl FnOnce(&mut OctreeOptions)) {
-    let mut options = octree(settings);
-    change(&mut options);
-    settings.volume = VolumeKind::Octree(options);
 }

@@ -91,7 +91,7 @@ fn ranges_are_those_that_renderers_check() {
         for value in within {
             let mut settings = defaults();
             // Views of an octree need one, and views of earlier frames need them.
-            settings.volume = VolumeKind::Octree(lumivox::OctreeOptions::default());
+            settings.volume = VolumeKind::Octree;
             settings.trace.temporal = true;
             parameter.set(&mut settings, value).expect("in range");
             assert!(is_valid(&settings), "{parameter:?} {value}");
@@ -135,10 +135,7 @@ fn fields(settings: &RenderSettings) -> Vec<String> {
 /// A field that no row writes could not be set, and a change of it would redo nothing.
 #[test]
 fn every_field_has_a_row() {
-    let defaults = RenderSettings {
-        volume: VolumeKind::Octree(lumivox::OctreeOptions::default()),
-        ..defaults()
-    };
+    let defaults = RenderSettings { volume: VolumeKind::Octree, ..defaults() };
     let shown = fields(&defaults);
     let mut is_written = vec![false; shown.len()];
     for parameter in PARAMETERS.iter() {

@@ -8,8 +8,8 @@ use crate::gpu::{Pipelines, Recorder, Timing};
 use crate::testing::{device, moved, read, room_with_a_box};
 use crate::volume::{read_levels, read_nodes};
 use crate::{
-    Directionality, Duplication, Geometry, Gi, GiConfig, Grid, Light, LightSource, Mipmapping,
-    OctreeOptions, Shadow, TraceSettings, VolumeKind,
+    Directionality, Geometry, Gi, GiConfig, Grid, Light, LightSource, Shadow, TraceSettings,
+    VolumeKind,
 };
 
 struct Stage {
@@ -66,7 +66,7 @@ impl Stage {
         let geometry = moved(&self.geometry, place);
         pollster::block_on(fresh.voxelize(&geometry, Timing::Off)).expect("there are voxels");
         self.light(&mut fresh, bounces, lamp, shadow);
-        let is_octree = matches!(self.config.volume, VolumeKind::Octree(_));
+        let is_octree = matches!(self.config.volume, VolumeKind::Octree);
         if is_octree && (bounces > 1 || shadow == Shadow::Cone) {
             let [own, fresh] = [gi, &fresh].map(|gi| self.radiance(gi));
             let largest = fresh.iter().flatten().fold(0.0_f32, |a, b| a.max(*b));
@@ -93,7 +93,7 @@ impl Stage {
             self.radiance(gi).iter().map(|light| light.map(f32::to_bits)).collect()
         };
         assert!(radiance(gi) == radiance(other), "{what}: the faces' light differs");
-        if matches!(self.config.volume, VolumeKind::Octree(_)) {
+        if matches!(self.config.volume, VolumeKind::Octree) {
             let nodes = |gi: &Gi| read_nodes(&self.device, &self.queue, gi);
             assert!(nodes(gi) == nodes(other), "{what}: nodes, masks or bricks differ");
             return;
@@ -167,11 +167,8 @@ fn moves_leave_the_bits_of_a_fresh_isotropic_volume() {
 #[test]
 #[ignore = "slow: over three seconds"]
 fn moves_leave_the_bits_of_a_fresh_octree() {
-    let usual = OctreeOptions::default();
-    check_moves(VolumeKind::Octree(usual), Directionality::SixLobes, Shadow::Cone);
-    let (duplication, mipmapping) = (Duplication::Pointers, Mipmapping::Every);
-    let other = OctreeOptions { duplication, mipmapping };
-    check_moves(VolumeKind::Octree(other), Directionality::Isotropic, Shadow::None);
+    check_moves(VolumeKind::Octree, Directionality::SixLobes, Shadow::Cone);
+    check_moves(VolumeKind::Octree, Directionality::Isotropic, Shadow::None);
 }
 
 /// Lists that are replaced before they are lit, and light that changes without the list.
@@ -179,7 +176,7 @@ fn moves_leave_the_bits_of_a_fresh_octree() {
 #[ignore = "slow: over three seconds"]
 fn any_order_of_calls_leaves_the_bits_of_a_fresh_volume() {
     check_any_order(VolumeKind::Dense);
-    check_any_order(VolumeKind::Octree(OctreeOptions::default()));
+    check_any_order(VolumeKind::Octree);
 }
 
 fn check_any_order(volume: VolumeKind) {

@@ -1,7 +1,6 @@
 //! Content of the octree: the values of cells, and the bricks that are filled from them.
 
 use super::tree::Tree;
-use super::{Duplication, Mipmapping, OctreeOptions};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
 };
@@ -13,7 +12,6 @@ use crate::{GiError, Grid};
 /// The kernels that fill the octree.
 #[derive(Debug)]
 pub(super) struct ContentKernels {
-    mipmapping: Mipmapping,
     store_layout: wgpu::BindGroupLayout,
     filter_layout: wgpu::BindGroupLayout,
     fill_layout: wgpu::BindGroupLayout,
@@ -22,8 +20,6 @@ pub(super) struct ContentKernels {
     fill: Kernel,
     /// [`LevelWords`] of each level.
     levels: Vec<Buffer>,
-    /// Placeholder for unused pointers.
-    nothing: Buffer,
 }
 
 /// A list with its light, an octree, and the changed cells, bound together.
@@ -32,19 +28,14 @@ pub(super) struct BoundContent {
     /// Group 0.
     globals: BindGroup,
     store: BindGroup,
-    /// For each level except the finest, with the number of threads for running over every cell.
-    filters: Vec<(BindGroup, u64)>,
+    /// For each level except the finest.
+    filters: Vec<BindGroup>,
     /// For each level.
     fills: Vec<BindGroup>,
 }
 
 impl ContentKernels {
-    pub fn new(
-        device: &Pipelines,
-        shaders: &ShaderLibrary,
-        grid: &Grid,
-        options: OctreeOptions,
-    ) -> Result<Self, GiError> {
+    pub fn new(device: &Pipelines, shaders: &ShaderLibrary, grid: &Grid) -> Result<Self, GiError> {
         let search = LayoutBuilder::compute()
             .uniform()
             .uniform()
@@ -57,30 +48,18 @@ impl ContentKernels {
         };
         let store_layout =
             cells().storage().storage().storage().build(device, "volume::octree::store");
-        let filter_layout = cells().storage().storage().build(device, "volume::octree::filter");
+        let filter_layout = cells().build(device, "volume::octree::filter");
         let fill_layout = cells()
             .storage_texture(wgpu::TextureViewDimension::D3, CELL_FORMAT)
-            .storage()
             .build(device, "volume::octree::fill");
-        let kernel = |module: &str, entry: &str, layout: &wgpu::BindGroupLayout| {
-            Kernel::new(device, shaders, module, entry, &[&search, layout])
-        };
-        let filter = match options.mipmapping {
-            Mipmapping::Occupied => "main",
-            Mipmapping::Every => "every_cell",
-        };
-        let fill = match options.duplication {
-            Duplication::Table => "volume::octree::fill_table",
-            Duplication::Pointers => "volume::octree::fill_pointers",
-            Duplication::Search => "volume::octree::fill_search",
+        let kernel = |module: &str, layout: &wgpu::BindGroupLayout| {
+            Kernel::new(device, shaders, module, "main", &[&search, layout])
         };
         Ok(Self {
-            mipmapping: options.mipmapping,
-            store: kernel("volume::octree::store", "main", &store_layout)?,
-            filter: kernel("volume::octree::filter", filter, &filter_layout)?,
-            fill: kernel(fill, "main", &fill_layout)?,
+            store: kernel("volume::octree::store", &store_layout)?,
+            filter: kernel("volume::octree::filter", &filter_layout)?,
+            fill: kernel("volume::octree::fill", &fill_layout)?,
             levels: LevelWords::of_levels(device, grid),
-            nothing: crate::gpu::storage_buffer(device, "nothing", 4),
             store_layout,
             filter_layout,
             fill_layout,
@@ -113,18 +92,14 @@ impl ContentKernels {
             .build(device, "volume::octree::store");
         let filters = (1..grid.levels)
             .map(|level| {
-                let group = of_level(&self.filter_layout, level as usize)
-                    .buffer(&voxels.occupancy)
-                    .buffer(&voxels.ranks)
-                    .build(device, "volume::octree::filter");
-                (group, u64::from(grid.morton_edge(level)).pow(3))
+                of_level(&self.filter_layout, level as usize)
+                    .build(device, "volume::octree::filter")
             })
             .collect();
         let fills = (0..grid.levels)
             .map(|level| {
                 of_level(&self.fill_layout, level as usize)
                     .view(&tree.atlas)
-                    .buffer(tree.nodes_before.as_ref().unwrap_or(&self.nothing))
                     .build(device, "volume::octree::fill")
             })
             .collect();
@@ -138,14 +113,8 @@ impl ContentKernels {
             changed.dispatch(pass, &self.store, &[globals, &bound.store], 0);
         });
         recorder.compute("volume::octree::filter", |pass| {
-            for (finer, (group, every_cell)) in bound.filters.iter().enumerate() {
-                let groups = [globals, group];
-                match self.mipmapping {
-                    Mipmapping::Occupied => {
-                        changed.dispatch(pass, &self.filter, &groups, finer + 1);
-                    }
-                    Mipmapping::Every => self.filter.dispatch_linear(pass, &groups, *every_cell),
-                }
+            for (finer, group) in bound.filters.iter().enumerate() {
+                changed.dispatch(pass, &self.filter, &[globals, group], finer + 1);
             }
         });
         recorder.compute("volume::octree::fill", |pass| {

@@ -1,15 +1,15 @@
 // Fills bricks from values: each thread copies the values of one changed cell into all bricks that
 // contain it (holders.wgsl).
 //
-// Two thirds of a brick's texels are its neighbours' cells (19 of 27). Three methods find the nodes
-// that contain a cell, with the same result: a search that starts from the table (fill_table.wgsl),
-// pointers to the previous nodes (fill_pointers.wgsl), and a search from the root
-// (fill_search.wgsl).
+// Two thirds of a brick's texels are its neighbours' cells (19 of 27).
 
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
 import package::volume::changes::cells::{changed_cell, level_words};
 import package::volume::changes::list::NOTHING;
-import package::volume::octree::search::{node_parts, octree};
-import package::volume::octree::tree::{brick_origin, node_word, NODE_FIRST_BRICK};
+import package::volume::octree::holders::has_holder;
+import package::volume::octree::search::{find_node, node_parts, octree};
+import package::volume::octree::tree::{brick_origin, corner_of, node_word, NODE_FIRST_BRICK};
 import package::volume::octree::values::{nodes, owner_at, unpack_value, value_place, values, Owner};
 import package::volume::octree::needs::Needs;
 import package::volume::parts::stored_parts;
@@ -57,5 +57,19 @@ fn fill_node(task: Task, node: u32, node_cell: vec3u) {
         let brick = first_brick + countOneBits(parts & ((1u << part) - 1u));
         let value = values[value_place(task.owner.first_brick, task.owner.parts, part, task.octant)];
         textureStore(atlas_out, brick_origin(brick) + task.cell - 2u * node_cell, unpack_value(value));
+    }
+}
+
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let task = task_of(linear_index(invocation, workgroups));
+    for (var i = 0u; i < 8u; i++) {
+        if task.exists && has_holder(task.cell, i) {
+            let node_cell = (task.cell >> vec3u(1u)) - corner_of(i);
+            fill_node(task, find_node(node_cell, task.level), node_cell);
+        }
     }
 }

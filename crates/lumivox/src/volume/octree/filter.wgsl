@@ -1,24 +1,16 @@
 // Filters the values of the cells of one level from those of the finer one, by the rule of all
-// volumes (column.wgsl), over lists.
-//
-// `main` has a thread for each changed cell. `every_cell` has one for each possible cell of the
-// level, as the first octree renderers did; most of its threads have nothing to do. It exists for
-// measurements.
+// volumes (column.wgsl): a thread for each changed cell.
 
 import package::constants::{ISOTROPIC, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
-import package::volume::octree::tree::tree;
 import package::volume::octree::values::{load_value, nodes, owner_at, store_value, Owner};
 import package::volume::octree::needs::Needs;
 import package::volume::changes::cells::{changed_cell, level_words};
 import package::volume::changes::list::NOTHING;
 import package::volume::column::{filter_column, AxisParts};
 import package::volume::parts::{part_of, stored_parts, NEGATIVE, POSITIVE, TILT};
-import package::voxels::lookup::bits_below;
 
 @group(1) @binding(5) var<uniform> needs: Needs;
-@group(1) @binding(6) var<storage, read> occupancy: array<u32>;
-@group(1) @binding(7) var<storage, read> ranks: array<u32>;
 
 fn load(children: Owner, octant: u32, axis: u32) -> AxisParts {
     return AxisParts(
@@ -82,22 +74,5 @@ fn main(
     let changed = changed_cell(linear_index(invocation, workgroups));
     if changed.node != NOTHING && needs.overflow == 0u {
         filter_cell(changed.node, changed.morton);
-    }
-}
-
-@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
-fn every_cell(
-    @builtin(global_invocation_id) invocation: vec3u,
-    @builtin(num_workgroups) workgroups: vec3u,
-) {
-    let code = linear_index(invocation, workgroups);
-    let edge_bits = tree.root_level - level_words.level;
-    if code >= 1u << (3u * edge_bits) || needs.overflow != 0u {
-        return;
-    }
-    let word = tree.levels[level_words.level].z + code / 32u;
-    let bits = occupancy[word];
-    if (bits & (1u << (code % 32u))) != 0u {
-        filter_cell(ranks[word] + bits_below(bits, code % 32u), code);
     }
 }

@@ -7,9 +7,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::OctreeBuilder;
 use super::layout::TreeLayout;
 use super::tree::{Scratch, Tree};
-use super::{Duplication, OctreeBuilder, OctreeOptions};
 use crate::GiError;
 use crate::Grid;
 use crate::gpu::{
@@ -95,12 +95,10 @@ pub(super) struct FollowKernels {
     give_places_back: Kernel,
     build: Kernel,
     inherit: Kernel,
-    pointers: Kernel,
     carry: Kernel,
     refill: Kernel,
     join_missed: Kernel,
     note_missed: Kernel,
-    has_pointers: bool,
 }
 
 #[derive(Debug)]
@@ -117,7 +115,6 @@ struct Layouts {
     places: wgpu::BindGroupLayout,
     build: wgpu::BindGroupLayout,
     inherit: wgpu::BindGroupLayout,
-    pointers: wgpu::BindGroupLayout,
     carry: wgpu::BindGroupLayout,
     refill: wgpu::BindGroupLayout,
     missed: wgpu::BindGroupLayout,
@@ -155,7 +152,6 @@ pub(super) struct BoundFollow {
     places: BindGroup,
     build: BindGroup,
     inherit: BindGroup,
-    pointers: Option<BindGroup>,
     carry: BindGroup,
     refill: BindGroup,
 }
@@ -176,11 +172,7 @@ pub(super) struct BoundMissed {
 }
 
 impl FollowKernels {
-    pub fn new(
-        device: &Pipelines,
-        shaders: &ShaderLibrary,
-        options: OctreeOptions,
-    ) -> Result<Self, GiError> {
+    pub fn new(device: &Pipelines, shaders: &ShaderLibrary) -> Result<Self, GiError> {
         let layout = |uniforms: u32, read: u32, written: u32, label: &str| {
             let layout = (0..uniforms).fold(LayoutBuilder::compute(), |layout, _| layout.uniform());
             let layout = (0..read).fold(layout, |layout, _| layout.storage());
@@ -197,7 +189,6 @@ impl FollowKernels {
             places: layout(1, 1, 3, "volume::octree::places"),
             build: layout(1, 2, 2, "volume::octree::build_ranked"),
             inherit: layout(1, 4, 1, "volume::octree::inherit"),
-            pointers: layout(1, 1, 1, "volume::octree::pointers"),
             carry: layout(1, 2, 1, "volume::octree::carry"),
             refill: LayoutBuilder::compute()
                 .uniform()
@@ -227,12 +218,10 @@ impl FollowKernels {
             give_places_back: kernel("places", "give_back", tree, &layouts.places)?,
             build: kernel("build_ranked", "main", tree, &layouts.build)?,
             inherit: kernel("inherit", "main", search, &layouts.inherit)?,
-            pointers: kernel("pointers", "main", search, &layouts.pointers)?,
             carry: kernel("carry", "main", search, &layouts.carry)?,
             refill: kernel("refill", "main", search, &layouts.refill)?,
             join_missed: kernel("missed", "join", tree, &layouts.missed)?,
             note_missed: kernel("missed", "note", tree, &layouts.missed)?,
-            has_pointers: options.duplication == Duplication::Pointers,
             layouts,
         })
     }
@@ -365,10 +354,6 @@ impl FollowKernels {
             &[needs, &tree.sites, &renewed, &renewed_ranks, &scratch.renewals, &tree.octree],
             "volume::octree::inherit",
         );
-        let pointers = tree.nodes_before.as_ref().map(|nodes_before| {
-            let buffers = [needs, &tree.sites, nodes_before];
-            group(&layouts.pointers, &buffers, "volume::octree::pointers")
-        });
         let carry = group(
             &layouts.carry,
             &[needs, &scratch.renewals, changed, &tree.values],
@@ -403,7 +388,6 @@ impl FollowKernels {
             places,
             build,
             inherit,
-            pointers,
             carry,
             refill,
             node_bits,
@@ -470,12 +454,6 @@ impl FollowKernels {
             let groups = [&bound.so_far, &bound.inherit];
             self.inherit.dispatch_indirect(pass, &groups, needs, of_nodes);
         });
-        if let Some(pointers) = &bound.pointers {
-            recorder.compute("volume::octree::pointers", |pass| {
-                let groups = [&bound.shown, pointers];
-                self.pointers.dispatch_indirect(pass, &groups, needs, of_nodes);
-            });
-        }
         recorder.compute("volume::octree::carry", |pass| {
             let groups = [&bound.shown, &bound.carry];
             self.carry.dispatch_indirect(pass, &groups, needs, of_cells);
@@ -484,10 +462,5 @@ impl FollowKernels {
             let groups = [&bound.shown, &bound.refill];
             self.refill.dispatch_indirect(pass, &groups, needs, of_texels);
         });
-    }
-
-    /// Whether nodes have pointers to the previous nodes.
-    pub fn has_pointers(&self) -> bool {
-        self.has_pointers
     }
 }

@@ -27,7 +27,7 @@ mod content;
 mod follow;
 mod hook;
 mod layout;
-mod options;
+mod stats;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -51,7 +51,7 @@ pub use hook::{OctreeBuilder, OctreeBuilding, OctreeParts, TreeToBuild};
 use layout::TreeLayout;
 #[cfg(test)]
 pub(crate) use layout::TreeUniform;
-pub use options::{Duplication, Mipmapping, OctreeOptions, OctreeStats};
+pub use stats::OctreeStats;
 #[cfg(test)]
 pub(crate) use tests::read_nodes;
 #[cfg(test)]
@@ -124,11 +124,7 @@ impl OctreeVolume {
         device: &Pipelines,
         shaders: &mut ShaderLibrary,
         grid: &Grid,
-        (options, building, memory_budget): (
-            OctreeOptions,
-            Option<&dyn OctreeBuilding>,
-            Option<u64>,
-        ),
+        (building, memory_budget): (Option<&dyn OctreeBuilding>, Option<u64>),
         emitters: &Buffer,
     ) -> Result<Self, GiError> {
         let grid_uniform = grid.uniform(device);
@@ -136,13 +132,12 @@ impl OctreeVolume {
         let sampler = super::sampler(device);
         let layout = TreeLayout::new(grid);
         shaders.constant_u32("OCTREE_STEPS", layout.steps());
-        let follow_kernels = FollowKernels::new(device, shaders, options)?;
+        let follow_kernels = FollowKernels::new(device, shaders)?;
         let globals = follow_kernels.tree_layout();
         let parts = OctreeParts { device, shaders, grid, globals };
         let builder = building.map(|building| building.make(&parts)).transpose()?;
-        let has_pointers = follow_kernels.has_pointers();
         // The size is checked once there are voxels.
-        let tree = Tree::new(device, (grid, &layout), Capacity::MINIMUM, has_pointers, None)?;
+        let tree = Tree::new(device, (grid, &layout), Capacity::MINIMUM, None)?;
         let around = (&grid_uniform, &sampler, emitters);
         let globals = bind_globals(device, &globals_layout, &tree, around);
         let missed_globals = BindGroupBuilder::new(follow_kernels.tree_layout())
@@ -155,7 +150,7 @@ impl OctreeVolume {
             memory_budget,
             globals,
             state: State::new(device, grid),
-            content_kernels: ContentKernels::new(device, shaders, grid, options)?,
+            content_kernels: ContentKernels::new(device, shaders, grid)?,
             resettler: Resettler::new(device, shaders, follow_kernels.tree_layout())?,
             follow_kernels,
             builder,
@@ -331,8 +326,7 @@ impl OctreeVolume {
         }
         let device = recorder.device().clone();
         let grid = (&self.grid, &self.layout);
-        let has_pointers = self.follow_kernels.has_pointers();
-        let tree = Tree::new(&device, grid, capacity, has_pointers, self.memory_budget)?;
+        let tree = Tree::new(&device, grid, capacity, self.memory_budget)?;
         let scratch = Scratch::new(&device, &self.grid, &tree)?;
         recorder.stage("volume");
         self.resettler.copy(recorder, &self.grid_uniform, (&self.tree, &tree));
@@ -362,14 +356,12 @@ impl OctreeVolume {
         let Self { tree, scratch, following, .. } = self;
         let scratch = scratch.as_ref().map_or(0, Scratch::bytes);
         let following = following.as_ref().map_or(0, BoundFollow::bytes);
-        let pointers = tree.nodes_before.as_ref().map_or(0, |pointers| pointers.size());
         let mut memory = vec![
             ("volume: bricks", tree.atlas_bytes()),
             ("volume: places of free bricks", tree.free_runs.size()),
             ("volume: values of cells", tree.values.size()),
             ("volume: nodes and their table", tree.octree.size()),
             ("volume: places of nodes", tree.sites.size()),
-            ("volume: neighbours of nodes", pointers),
             ("volume: following changes", scratch + following + self.state.bytes()),
         ];
         memory.extend(self.builder.iter().flat_map(|builder| builder.memory()));

@@ -29,17 +29,6 @@ fn find_node(node_cell: vec3u, level: u32) -> u32 {
     return node;
 }
 
-// As `find_node`, by a search from the root.
-fn find_node_from_root(node_cell: vec3u, level: u32) -> u32 {
-    var node = child_towards(0u, node_cell, tree.root_level - 1u - level);
-    var below = tree.root_level - 1u - level;
-    while below > 0u && node != NONE {
-        below--;
-        node = child_towards(node, node_cell, below);
-    }
-    return node;
-}
-
 // The parts that a look-up starting at the `octant`-th cell of a node can contain; none if there is
 // no node.
 fn node_mask(node: u32, octant: u32) -> u32 {

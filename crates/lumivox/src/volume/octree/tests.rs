@@ -9,15 +9,10 @@ pub(crate) use read::read_nodes;
 
 use glam::Vec3;
 
-use super::OctreeOptions;
 use crate::gpu::{Pipelines, Recorder, Timing};
 use crate::testing::nodes::{odd_grid, turned_room};
 use crate::testing::{SceneBuilder, device, lambert};
 use crate::{Directionality, Geometry, Gi, GiConfig, GiError, Grid, TraceSettings, VolumeKind};
-
-fn octree(options: OctreeOptions) -> VolumeKind {
-    VolumeKind::Octree(options)
-}
 
 fn voxelize(
     (device, queue): &(Pipelines, wgpu::Queue),

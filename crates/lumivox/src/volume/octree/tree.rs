@@ -60,8 +60,6 @@ pub(super) struct Tree {
     pub free_runs: Buffer,
     /// Eight values per brick.
     pub values: Buffer,
-    /// Pointers to the previous nodes; `None` if they are not needed.
-    pub nodes_before: Option<Buffer>,
     pub atlas: TextureView,
 }
 
@@ -85,25 +83,19 @@ impl Tree {
         device: &wgpu::Device,
         (grid, layout): (&Grid, &TreeLayout),
         capacity: Capacity,
-        has_pointers: bool,
         memory_budget: Option<u64>,
     ) -> Result<Self, GiError> {
         let texels = AtlasSize::of(capacity.bricks as u32).texels();
         check_atlas(device, texels, grid)?;
         let remedy = Remedy::Surface(grid.dimensions.max_element());
-        let pointers = if has_pointers { 3 * capacity.slots } else { 0 };
         let needed = 2 * 4 * layout.words(capacity.slots)
             + capacity.slots * 8
-            + pointers * 4
             + capacity.renewals * RENEWAL_BYTES
             + capacity.bricks * BRICK_VALUES * TEXEL_BYTES
             + capacity.stack_start(MAX_RUN + 1) * 4
             + texels.as_u64vec3().element_product() * TEXEL_BYTES;
         budget::check("the octree with its bricks", needed, memory_budget, grid, GROWTH)?;
         let memory = Memory::new(device);
-        let nodes_before = has_pointers
-            .then(|| memory.buffer("octree: nodes before", pointers, 4, remedy))
-            .transpose()?;
         let uniform = layout.uniform(capacity.slots as u32, capacity.bricks as u32);
         let runs = capacity.stack_start(MAX_RUN + 1);
         let values = capacity.bricks * BRICK_VALUES;
@@ -114,7 +106,6 @@ impl Tree {
             sites: memory.buffer("octree: sites", capacity.slots, 8, remedy)?,
             free_runs: memory.buffer("octree: free bricks", runs, 4, remedy)?,
             values: memory.buffer("octree: values", values, TEXEL_BYTES, remedy)?,
-            nodes_before,
             atlas: atlas(device, texels),
         })
     }
@@ -236,9 +227,6 @@ impl Resettler {
         for (from, to) in
             [both(|tree| &tree.octree), both(|tree| &tree.sites), both(|tree| &tree.values)]
         {
-            recorder.copy((from, 0), (to, 0), from.size());
-        }
-        if let Some((from, to)) = old.nodes_before.as_ref().zip(new.nodes_before.as_ref()) {
             recorder.copy((from, 0), (to, 0), from.size());
         }
         for length in 1..=MAX_RUN {

@@ -5,7 +5,6 @@ use glam::UVec3;
 use super::read::{read_nodes, texel};
 use super::*;
 use crate::testing::{busy_room, read};
-use crate::volume::octree::{Duplication, Mipmapping};
 use crate::volume::{Level, read_levels};
 
 const DIRECTIONALITIES: [Directionality; 2] = [Directionality::SixLobes, Directionality::Isotropic];
@@ -43,7 +42,7 @@ fn bricks_hold_the_cells_of_the_dense_volume_and_their_neighbours() {
         let mut dense =
             voxelize(&gpu, config(VolumeKind::Dense, directionality), &geometry).expect("it fits");
         light(&gpu, &mut dense, 1);
-        let volume = octree(OctreeOptions::default());
+        let volume = VolumeKind::Octree;
         let mut sparse =
             voxelize(&gpu, config(volume, directionality), &geometry).expect("it fits");
         light(&gpu, &mut sparse, 1);
@@ -92,26 +91,6 @@ fn bricks_hold_the_cells_of_the_dense_volume_and_their_neighbours() {
 }
 
 #[test]
-#[ignore = "slow: over three seconds"]
-fn every_way_to_duplicate_and_to_filter_gives_the_same_bits() {
-    let gpu = device();
-    let geometry = turned_room(&gpu.0);
-    for directionality in DIRECTIONALITIES {
-        let nodes = |duplication, mipmapping| {
-            let options = OctreeOptions { duplication, mipmapping };
-            let config = config(octree(options), directionality);
-            let mut gi = voxelize(&gpu, config, &geometry).expect("it fits");
-            light(&gpu, &mut gi, 1);
-            read_nodes(&gpu.0, &gpu.1, &gi)
-        };
-        let ranked = nodes(Duplication::Table, Mipmapping::Occupied);
-        assert!(ranked == nodes(Duplication::Pointers, Mipmapping::Occupied), "pointers differ");
-        assert!(ranked == nodes(Duplication::Search, Mipmapping::Occupied), "searches differ");
-        assert!(ranked == nodes(Duplication::Table, Mipmapping::Every), "mipmaps differ");
-    }
-}
-
-#[test]
 fn bounces_agree_with_the_dense_volume() {
     for directionality in DIRECTIONALITIES {
         let gpu = device();
@@ -124,7 +103,7 @@ fn bounces_agree_with_the_dense_volume() {
             read::<[f32; 4]>(&gpu.0, &gpu.1, gi.face_radiance().expect("it is lit"), faces)
         };
         let dense = radiance(VolumeKind::Dense);
-        let sparse = radiance(octree(OctreeOptions::default()));
+        let sparse = radiance(VolumeKind::Octree);
         let luminance = |texel: &[f32; 4]| f64::from(texel[0] + texel[1] + texel[2]) / 3.0;
         let mean = dense.iter().map(luminance).sum::<f64>() / dense.len() as f64;
         let difference = |pair: (&[f32; 4], &[f32; 4])| luminance(pair.0) - luminance(pair.1);
@@ -140,7 +119,7 @@ fn bounces_agree_with_the_dense_volume() {
 fn another_list_leaves_nothing_of_the_last_one() {
     let gpu = device();
     let geometry = turned_room(&gpu.0);
-    let config = config(octree(OctreeOptions::default()), Directionality::SixLobes);
+    let config = config(VolumeKind::Octree, Directionality::SixLobes);
     let mut reused = voxelize(&gpu, config.clone(), &busy_room().build(&gpu.0)).expect("it fits");
     light(&gpu, &mut reused, 2);
     pollster::block_on(reused.voxelize(&geometry, Timing::Off)).expect("it fits");
@@ -158,7 +137,7 @@ fn another_list_leaves_nothing_of_the_last_one() {
 fn what_exceeds_a_budget_is_refused_with_numbers() {
     let gpu = device();
     let geometry = turned_room(&gpu.0);
-    for volume in [VolumeKind::Dense, octree(OctreeOptions::default())] {
+    for volume in [VolumeKind::Dense, VolumeKind::Octree] {
         let config =
             GiConfig { memory_budget: Some(1 << 20), ..config(volume, Directionality::SixLobes) };
         let error = voxelize(&gpu, config, &geometry).expect_err("it needs more than a mebibyte");
@@ -179,7 +158,7 @@ fn after_an_error_the_earlier_voxels_are_still_there() {
         .build(&gpu.0);
     let config = GiConfig {
         memory_budget: Some(1 << 20),
-        ..config(octree(OctreeOptions::default()), Directionality::SixLobes)
+        ..config(VolumeKind::Octree, Directionality::SixLobes)
     };
     let mut gi = voxelize(&gpu, config, &small).expect("a small thing fits");
     light(&gpu, &mut gi, 1);

@@ -13,7 +13,7 @@ fn nodes_of(
     grid: Grid,
     geometry: &Geometry,
 ) -> (Gi, BTreeSet<NodeAt>) {
-    let config = GiConfig { volume: octree(OctreeOptions::default()), ..GiConfig::new(grid) };
+    let config = GiConfig { volume: VolumeKind::Octree, ..GiConfig::new(grid) };
     let mut gi = voxelize(gpu, config, geometry).expect("it fits");
     light(gpu, &mut gi, 2);
     let nodes = read_nodes(&gpu.0, &gpu.1, &gi).into_keys().collect();

@@ -29,7 +29,7 @@ fn searches_find_the_nodes_and_nothing_else() {
     let (device, queue) = &gpu;
     let size = Vec3::new(1.0, 0.05, 0.05);
     let grid = Grid::fit(Vec3::ZERO, size, 136, Vec3::ZERO).expect("fits");
-    let config = GiConfig { volume: octree(OctreeOptions::default()), ..GiConfig::new(grid) };
+    let config = GiConfig { volume: VolumeKind::Octree, ..GiConfig::new(grid) };
     let geometry = SceneBuilder::default().room(Vec3::ZERO, size, &lambert(0.5, 0.0)).build(device);
     let gi = voxelize(&gpu, config, &geometry).expect("it fits");
     let nodes = read_nodes(device, queue, &gi);
