@@ -67,7 +67,8 @@ pub async fn render_layers(
     let one_bounce = RenderSettings { bounces: 1, view: View::Diffuse, ..settings.clone() };
     let mut renderer = Renderer::new(gpu, scene, Some(camera), one_bounce, progress).await?;
     let one_bounce = irradiance(&renderer.render(progress).await?.into());
-    renderer.set_bounces(settings.bounces).await?;
+    let every_bounce = RenderSettings { view: View::Diffuse, ..settings.clone() };
+    renderer.set_settings(every_bounce, progress).await?;
     let full = irradiance(&renderer.render(progress).await?.into());
     renderer.set_view(View::Final, 0)?;
     let start = Instant::now();

@@ -14,8 +14,9 @@ use super::passes::Passes;
 use super::prepare::{
     bind_lights, compile, environment_map, global_illumination, upload, voxelize,
 };
+use super::updates::Updates;
 use super::{RenderProgress, Renderer, validate, validate_level};
-use crate::look::{LookChoice, LookScene};
+use crate::look::LookScene;
 use crate::parameters::{PARAMETERS, Redoes};
 use crate::scene::{Lighting, radiance_unit_within, suits};
 use crate::{Exposure, RenderError, RenderSettings, View};
@@ -165,7 +166,8 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         progress(RenderProgress { stage: "upload", done: 0, total: 1 });
         self.take_pose(scene)?;
-        self.show_pose(progress).await
+        progress(RenderProgress { stage: "upload", done: 1, total: 1 });
+        self.update(true, progress).await
     }
 
     /// Like [`Self::set_scene`], for a scene in which only the instances with the indices `moved`
@@ -181,31 +183,8 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         progress(RenderProgress { stage: "upload", done: 0, total: 1 });
         self.take_moved(scene, moved)?;
-        self.show_pose(progress).await
-    }
-
-    async fn show_pose(
-        &mut self,
-        progress: &mut dyn FnMut(RenderProgress),
-    ) -> Result<(), RenderError> {
         progress(RenderProgress { stage: "upload", done: 1, total: 1 });
-        if self.settings.updates_by_frame() {
-            self.surfaces_moved();
-            return Ok(());
-        }
-        self.make_pose(progress).await
-    }
-
-    /// Voxelizes and lights the current pose immediately.
-    pub(super) async fn make_pose(
-        &mut self,
-        progress: &mut dyn FnMut(RenderProgress),
-    ) -> Result<(), RenderError> {
-        compile(&self.gpu, (&self.gi, &self.scene.geometry), &self.settings, progress).await?;
-        self.voxelize(progress).await?;
-        self.relight(progress).await?;
-        self.targets.accumulate.reset();
-        Ok(())
+        self.update(true, progress).await
     }
 
     /// Like [`Self::set_scene`], but voxels and their light are not updated until
@@ -258,7 +237,8 @@ impl Renderer {
         // The layout of materials may differ, too.
         self.look = None;
         self.take_pose(scene)?;
-        self.make_pose(progress).await
+        self.changed(true);
+        self.complete_updates(progress).await
     }
 
     /// Shows the same scene under other lights or surroundings; the mean starts again.
@@ -283,13 +263,7 @@ impl Renderer {
             return self.set_materials(scene, progress).await;
         }
         self.take_lighting(scene)?;
-        if self.settings.updates_by_frame() {
-            self.lights_changed();
-            return Ok(());
-        }
-        self.relight(progress).await?;
-        self.targets.accumulate.reset();
-        Ok(())
+        self.update(false, progress).await
     }
 
     /// Voxelizes everything again, including static objects, whether it has moved or not. The mean
@@ -302,12 +276,10 @@ impl Renderer {
         &mut self,
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
-        progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
-        let voxelized = self.gi.voxelize(&self.scene.geometry, self.settings.timing).await?;
         let were_stale = self.voxels_are_stale;
-        self.store_voxels(voxelized);
-        progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });
-        self.relight(progress).await?;
+        self.scene.geometry.invalidate();
+        self.updates.surfaces = true;
+        self.complete_updates(progress).await?;
         if were_stale {
             self.targets.accumulate.reset();
         }
@@ -317,15 +289,6 @@ impl Renderer {
     /// Whether objects have moved but their voxels have not ([`Self::place`]).
     pub fn has_stale_voxels(&self) -> bool {
         self.voxels_are_stale && !self.updates.surfaces
-    }
-
-    /// Lights the voxels again with another number of bounces; the mean starts again.
-    ///
-    /// # Errors
-    /// [`RenderError::Setting`] when there are too many, and when the device fails.
-    pub async fn set_bounces(&mut self, bounces: u32) -> Result<(), RenderError> {
-        let settings = RenderSettings { bounces, ..self.settings.clone() };
-        self.set_settings(settings, &mut |_| {}).await
     }
 
     /// Changes the view; the mean starts again. `voxel_level` is the level for views of voxels.
@@ -341,26 +304,11 @@ impl Renderer {
         let was_lit =
             was.shown_look().is_none() && was.voxel_bounces() == self.settings.voxel_bounces();
         if self.settings.shown_look().is_none() && !was_lit {
-            self.light_voxels()?;
-        }
-        self.targets.accumulate.forget();
-        Ok(())
-    }
-
-    /// Changes the look; the mean starts again. The voxels are lit again if the look needs
-    /// different light in them.
-    ///
-    /// # Errors
-    /// [`RenderError::Setting`] when a value is out of range, and when the device fails.
-    pub fn set_look(&mut self, look: LookChoice) -> Result<(), RenderError> {
-        if let Some(look) = &look {
-            look.validate()?;
-        }
-        let settings = RenderSettings { look, ..self.settings.clone() };
-        let was = std::mem::replace(&mut self.settings, settings);
-        self.drop_look_of(&was);
-        if self.settings.shown_look().is_none() && was.look.is_some() {
-            self.light_voxels()?;
+            let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
+            let Self { settings, gi, lights, .. } = self;
+            gi.light(&mut recorder, lights, settings.voxel_bounces(), &settings.trace)?;
+            recorder.submit();
+            self.gpu.check("lighting the voxels")?;
         }
         self.targets.accumulate.forget();
         Ok(())
@@ -375,15 +323,6 @@ impl Renderer {
             // The light in the volume will become stale.
             self.gi.forget_light();
         }
-    }
-
-    /// Lights the voxels according to the settings with the bound lights.
-    fn light_voxels(&mut self) -> Result<(), RenderError> {
-        let mut recorder = Recorder::new(&self.gpu.device, &self.gpu.queue);
-        let Self { settings, gi, lights, .. } = self;
-        gi.light(&mut recorder, lights, settings.voxel_bounces(), &settings.trace)?;
-        recorder.submit();
-        self.gpu.check("lighting the voxels")
     }
 
     /// Changes the exposure of later pictures; the frames so far are kept.
@@ -438,10 +377,11 @@ impl Renderer {
         Ok(())
     }
 
-    async fn voxelize(
+    pub(super) async fn voxelize(
         &mut self,
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
+        compile(&self.gpu, (&self.gi, &self.scene.geometry), &self.settings, progress).await?;
         progress(RenderProgress { stage: "voxelize", done: 0, total: 1 });
         let timing = self.settings.timing;
         let voxelized = self.gi.voxelize_dynamic(&self.scene.geometry, timing).await?;
@@ -474,7 +414,8 @@ impl Renderer {
             recorder.stage("light");
             gi.light(&mut recorder, &self.lights, settings.voxel_bounces(), &settings.trace)?;
         }
-        self.updates.goes_on = false;
+        let Updates { surfaces, is_pending, .. } = self.updates;
+        self.updates = Updates { surfaces, is_pending, ..Updates::default() };
         self.times.add(recorder.finish().await?);
         gpu.wait("lighting the voxels")?;
         progress(RenderProgress { stage: "light", done: 1, total: 1 });

@@ -54,7 +54,7 @@ impl Renderer {
         moved: &[usize],
     ) -> Result<FrameStatus, RenderError> {
         self.take_moved(scene, moved)?;
-        self.surfaces_moved();
+        self.changed(true);
         self.draw_frame(true).await
     }
 
@@ -94,11 +94,10 @@ impl Renderer {
         &mut self,
         progress: &mut dyn FnMut(RenderProgress),
     ) -> Result<(), RenderError> {
+        self.updates.surfaces |= self.gi.center_on(self.camera.position)?;
         let Updates { lights, goes_on, .. } = self.updates;
-        if self.gi.center_on(self.camera.position)? || self.are_voxels_late() {
-            self.make_pose(progress).await?;
-        } else if lights || goes_on {
-            self.relight(progress).await?;
+        if lights || goes_on || self.are_voxels_late() {
+            self.complete_updates(progress).await?;
         }
         self.updates = Updates::default();
         self.targets.forget();
@@ -113,10 +112,36 @@ impl Renderer {
         self.scene.streamed()
     }
 
-    /// Updates surfaces and their shadows in the next frame.
-    pub(super) fn surfaces_moved(&mut self) {
-        self.updates.surfaces = true;
-        self.lights_changed();
+    /// Notes that lights have changed, and surfaces if `surfaces`. The mean starts again.
+    pub(super) fn changed(&mut self, surfaces: bool) {
+        self.updates.surfaces |= surfaces;
+        self.updates.lights = true;
+        self.targets.accumulate.reset();
+    }
+
+    /// Updates lights that have changed, and surfaces if `surfaces`: in the next frames, or at once
+    /// if the settings do not update frame by frame.
+    pub(super) async fn update(
+        &mut self,
+        surfaces: bool,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<(), RenderError> {
+        self.changed(surfaces);
+        if self.settings.updates_by_frame() {
+            return Ok(());
+        }
+        self.complete_updates(progress).await
+    }
+
+    /// Completes all updates at once, with light from darkness.
+    pub(super) async fn complete_updates(
+        &mut self,
+        progress: &mut dyn FnMut(RenderProgress),
+    ) -> Result<(), RenderError> {
+        if self.are_voxels_late() {
+            self.voxelize(progress).await?;
+        }
+        self.relight(progress).await
     }
 
     /// Whether voxels still lag behind moved objects. Whether the last move fitted into the buffers
@@ -140,12 +165,6 @@ impl Renderer {
         }
     }
 
-    /// Updates the lights in the next frame.
-    pub(super) fn lights_changed(&mut self) {
-        self.updates.lights = true;
-        self.targets.accumulate.reset();
-    }
-
     /// Moves cascades with the camera, and streams vertices: over the next frames, or at once if
     /// the settings do not update frame by frame. If no surface is left in the grid, the old voxels
     /// are kept.
@@ -156,20 +175,22 @@ impl Renderer {
         if !self.gi.center_on(self.camera.position)? && !has_streamed {
             return Ok(());
         }
+        self.updates.surfaces = true;
         if follows {
-            self.updates.surfaces = true;
             // Geometry that comes or goes changes the shadow maps.
             self.updates.lights |= has_streamed;
             return Ok(());
         }
-        match self.gi.voxelize(&self.scene.geometry, self.settings.timing).await {
-            Err(GiError::NothingToVoxelize { .. }) => return Ok(()),
-            Err(error) => return Err(error.into()),
-            Ok(voxelized) => self.store_voxels(voxelized),
+        match self.complete_updates(&mut |_| {}).await {
+            Err(RenderError::Gi(GiError::NothingToVoxelize { .. })) => {
+                self.updates.surfaces = false;
+                Ok(())
+            }
+            completed => {
+                self.targets.accumulate.reset();
+                completed
+            }
         }
-        self.relight(&mut |_| {}).await?;
-        self.targets.accumulate.reset();
-        Ok(())
     }
 
     /// Whether lights have shadow maps around cascades.

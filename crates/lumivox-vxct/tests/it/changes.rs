@@ -66,10 +66,11 @@ fn the_look_comes_and_goes() {
     pollster::block_on(changing.set_materials(&other, &mut |_| {})).expect("materials");
     assert!(picture(&mut changing) == picture(&mut renderer(&gpu, &other, asked.clone())));
 
-    changing.set_look(None).expect("the physical look");
     asked.look = None;
-    assert!(picture(&mut changing) == picture(&mut renderer(&gpu, &other, asked)));
-    assert!(changing.set_look(Some(vxct(|vxct| vxct.shadow_strength = 99.0))).is_err());
+    pollster::block_on(changing.set_settings(asked.clone(), &mut |_| {})).expect("valid");
+    assert!(picture(&mut changing) == picture(&mut renderer(&gpu, &other, asked.clone())));
+    asked.look = Some(vxct(|vxct| vxct.shadow_strength = 99.0));
+    assert!(pollster::block_on(changing.set_settings(asked, &mut |_| {})).is_err());
 }
 
 #[test]
