@@ -1,8 +1,8 @@
 //! Lumivox in a custom engine: own window, triangles, G-buffer and shading, no other crate of the
 //! project. A lamp circles in a room, and a screen slides through it.
 //!
-//! `cargo run --release -p lumivox --example own_engine` opens a window. Its title shows the time of a
-//! frame.
+//! `cargo run --release -p lumivox --example own_engine` opens a window with the time of a frame in
+//! its title.
 
 mod engine;
 mod raster;
