@@ -28,10 +28,6 @@ export interface Settings {
   volume?: "dense" | "octree" | "cascades";
   /** How an octree's nodes are made; selects an octree: ranks or locks. Default: ranks. */
   octree_builder?: "ranks" | "locks";
-  /** How cells find the bricks that hold them as neighbours; selects an octree: table, pointers or search. Default: table. */
-  octree_duplication?: "table" | "pointers" | "search";
-  /** The cells over which coarser levels are filtered; selects an octree: occupied or every. Default: occupied. */
-  octree_mipmaps?: "occupied" | "every";
   /** Boxes around the camera; selects cascades: a whole number from 1 to 16. Default: 8. */
   cascades?: number;
   /** Voxels along each axis of a cascade; selects cascades: a multiple of 8 from 32 to 256, voxels. Default: 64. */
