@@ -236,24 +236,3 @@ def test_parts_add_up_to_one_reference(cornell: Scene, tmp_path: Path) -> None:
             lumivox.merge(wrong)
     with pytest.raises(InputError, match="batches: is"):
         lumivox.reference_part(cornell, size=size, batches=(2, 2))
-
-
-def test_errors_in_motion_are_those_of_the_program(tmp_path: Path) -> None:
-    small = {"sequence": "lamp", "steps": 1, "samples": 32, "size": "32x18", "resolution": 32}
-    report = lumivox.motion("builtin:cornell", **small)
-    words = [f"--{name}={value}" for name, value in small.items()]
-    file = tmp_path / "motion.json"
-    run = [sys.executable, "-m", "lumivox", "motion", "builtin:cornell", *words, "--json", str(file)]
-    subprocess.run(run, check=True, capture_output=True)
-    told = json.loads(file.read_text())
-
-    def figures(report: Any) -> Any:
-        """All numbers but times."""
-        if isinstance(report, dict):
-            timed = ("second", "ms", "time")
-            return {key: figures(value) for key, value in report.items() if not any(word in key for word in timed)}
-        return [figures(value) for value in report] if isinstance(report, list) else report
-
-    assert figures(report) == figures(told) and report
-    with pytest.raises(InputError, match="none.glb"):
-        lumivox.motion("none.glb")

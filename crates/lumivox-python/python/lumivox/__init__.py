@@ -31,7 +31,7 @@ from .light import (
     workplane_points,
 )
 from .picture import Picture
-from .reference import Figures, Reference, compare, merge, motion, reference, reference_part
+from .reference import Figures, Reference, compare, merge, reference, reference_part
 from .render import LAYERS, Renderer, render, render_many, settings
 from .scene import Animation, Scene
 
@@ -74,7 +74,6 @@ __all__ = [
     "irradiance",
     "luminance",
     "merge",
-    "motion",
     "reference",
     "reference_part",
     "render",

@@ -28,9 +28,3 @@ class OutputError(Error, OSError):
     """A file cannot be written."""
 
     code: int = 5
-
-
-def of_code(code: int) -> type[Error]:
-    """The class of a program's exit code."""
-    classes = {2: InputError, 3: InputError, 4: GpuError, 5: OutputError}
-    return classes.get(code, Error)

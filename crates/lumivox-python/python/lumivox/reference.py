@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import os
-import subprocess
-import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -15,7 +12,7 @@ import numpy as np
 from . import _lumivox
 from ._arrays import Floats, floats, numbers, size_of, view, whole
 from ._records import Camera
-from .errors import InputError, of_code
+from .errors import InputError
 from .picture import Picture
 from .render import CameraLike, _camera, _scene
 from .scene import Progress, Scene
@@ -192,25 +189,3 @@ def compare(picture: Picture | Any, truth: Picture | Any, variance: Any = None) 
         got.tobytes(),
     )
     return Figures(*figures)
-
-
-def motion(scene: str | os.PathLike[str] | None = None, **options: Any) -> dict[str, Any]:
-    """The errors, flicker, delay and cost while something moves, one frame a step: the report of
-    ``lumivox motion``, which this runs in a process of its own.
-
-    ``scene`` is a file or ``"builtin:NAME"``. ``options`` are those of the command line, with ``_``
-    for ``-``: ``sequence="lamp"``, ``steps=8``, ``size="160x90"``, ``preset="realtime"``; ``True`` gives
-    one without a value.
-    """
-    words = [sys.executable, "-m", "lumivox", "motion"]
-    words += [] if scene is None else [os.fspath(scene)]
-    for name, value in options.items():
-        option = "--" + name.replace("_", "-")
-        words += [option] if value is True else [f"{option}={value}"]
-    command = [*words, "--json", "-"]
-    ran = subprocess.run(command, capture_output=True, text=True, check=False)
-    if ran.returncode != 0:
-        text = ran.stderr.strip() or f"lumivox motion ended with the code {ran.returncode}"
-        raise of_code(ran.returncode)(text.removeprefix("error: "))
-    report: dict[str, Any] = json.loads(ran.stdout)
-    return report
