@@ -44,6 +44,14 @@ MAY_DEPEND_ON = {
         "lumivox-scene",
         "lumivox-vxct",
     },
+    "lumivox-lab": {
+        "lumivox",
+        "lumivox-app",
+        "lumivox-console",
+        "lumivox-explorer",
+        "lumivox-render",
+        "lumivox-scene",
+    },
     "lumivox-web": {
         "lumivox",
         "lumivox-console",
@@ -248,6 +256,14 @@ def self_test_cases():
             [
                 f"lumivox-app -> lumivox-web (normal dependency) {wrong_way}",
                 f"lumivox-web -> lumivox-app (normal dependency) {wrong_way}",
+            ],
+        ),
+        (
+            "the program may not know the laboratory, nor may Python",
+            graph(lumivox_app="dev:lumivox-lab", lumivox_lab="lumivox-app", lumivox_python="lumivox-lab"),
+            [
+                f"lumivox-app -> lumivox-lab (dev dependency) {wrong_way}",
+                f"lumivox-python -> lumivox-lab (normal dependency) {wrong_way}",
             ],
         ),
         (

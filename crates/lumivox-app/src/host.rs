@@ -94,7 +94,7 @@ impl Host {
     ///
     /// # Errors
     /// A [`Failure`] of output. A reader that has closed the pipe early is not an error.
-    pub(crate) fn print(&self, text: &str) -> anyhow::Result<()> {
+    pub fn print(&self, text: &str) -> anyhow::Result<()> {
         self.print_as_it_is(&shown::text(text))
     }
 
@@ -111,7 +111,7 @@ impl Host {
     ///
     /// # Errors
     /// As [`Self::print`].
-    pub(crate) fn print_json(&self, report: &impl Serialize) -> anyhow::Result<()> {
+    pub fn print_json(&self, report: &impl Serialize) -> anyhow::Result<()> {
         let text = serde_json::to_string_pretty(report)?;
         self.print_as_it_is(&format!("{}\n", shown::json(&text)))
     }
@@ -132,6 +132,11 @@ impl Host {
             Some(shared) => lock(&shared.errors).write_all(text.as_bytes()),
             None => io::stderr().write_all(text.as_bytes()),
         };
+    }
+
+    /// As [`Self::complain`], above the progress bars.
+    pub fn complain_above_bars(&self, text: &str) {
+        self.bars.suspend(|| self.complain(text));
     }
 
     /// Whether stdin is a terminal.
@@ -196,7 +201,7 @@ impl Host {
     ///
     /// # Errors
     /// As [`Gpu::new`].
-    pub(crate) fn open_gpu(&self, options: &GpuOptions) -> Result<Gpu, RenderError> {
+    pub fn open_gpu(&self, options: &GpuOptions) -> Result<Gpu, RenderError> {
         let gpu = match &self.embedded {
             Some(shared) => (shared.open_gpu)(options)?,
             None => pollster::block_on(Gpu::new(options))?,

@@ -83,7 +83,7 @@ struct BesideBars(Host);
 
 impl Write for BesideBars {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.bars().suspend(|| self.0.complain(&String::from_utf8_lossy(bytes)));
+        self.0.complain_above_bars(&String::from_utf8_lossy(bytes));
         Ok(bytes.len())
     }
 

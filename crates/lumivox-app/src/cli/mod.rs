@@ -12,15 +12,11 @@ mod light;
 mod load;
 mod measure;
 mod merge;
-mod motion;
 mod picture;
-mod quality;
 mod reference;
-mod rooms;
 mod run;
 mod timeline;
 mod view;
-mod volumes;
 mod voxels;
 mod window;
 
@@ -40,24 +36,23 @@ pub use light::LightArgs;
 pub use load::SceneArg;
 pub use measure::{MeasureArgs, Method};
 pub use merge::MergeArgs;
-pub use motion::MotionArgs;
 pub use picture::PictureArgs;
-pub use quality::QualityArgs;
 pub use reference::ReferenceArgs;
-pub use rooms::RoomsArgs;
 pub use run::{CommandsArgs, RunArgs};
 pub use timeline::TimelineArgs;
 pub use view::ViewArgs;
-pub use volumes::VolumesArgs;
 pub use voxels::VoxelsArgs;
 pub use window::{WindowArgs, WindowDevice};
 
 use crate::args::number;
 use crate::args::settings::{Given, SettingArgs, VolumeGroups};
+use crate::commands;
 use crate::exit;
+use crate::host::Host;
+use crate::program::Program;
 use crate::settings;
 use crate::timeline::{AnimationName, animation};
-use load::scene_source;
+pub use load::scene_source;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -115,6 +110,35 @@ pub struct Cli {
     pub command: Option<Command>,
 }
 
+impl Program for Cli {
+    fn verbosity(&self) -> u8 {
+        self.verbose
+    }
+
+    fn tells_warnings(&self) -> bool {
+        matches!(self.command, Some(Command::Info(_)))
+    }
+
+    fn run_command(&self, host: &Host) -> Option<anyhow::Result<()>> {
+        Some(match self.command.as_ref()? {
+            Command::Render(args) => commands::render::run(args, self.verbose, host),
+            Command::View(args) => commands::view::run(args, host),
+            Command::Reference(args) => commands::reference::run(args, host),
+            Command::Merge(args) => commands::merge::run(args, host),
+            Command::Measure(args) => commands::measure::run(args, host),
+            Command::Bake(args) => commands::bake::run(args, host),
+            Command::Info(args) => commands::info::run(args, host),
+            Command::Voxels(args) => commands::voxels::run(args, host),
+            Command::Bench(args) => commands::bench::run(args, host),
+            Command::Convert(args) => commands::convert::run(args, host),
+            Command::Compare(args) => commands::compare::run(args, host),
+            Command::Run(args) => commands::run::run(args, host),
+            Command::Commands(args) => commands::run::list(args.markdown, host),
+            Command::Scenes => commands::scenes::run(host),
+        })
+    }
+}
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -144,14 +168,9 @@ pub enum Command {
     /// Voxelize a scene, and print the number of voxels, their memory and time
     #[command(
         after_help = "Examples:\n  lumivox voxels builtin:atrium\n  lumivox voxels hall.glb \
-                            --resolution 256 --isotropic --json\n  lumivox voxels builtin:atrium \
-                            --compare-voxelizers -o voxelizers.png\n  lumivox voxels hall.glb \
-                            --dynamic-share 0.1"
+                            --resolution 256 --isotropic --json"
     )]
     Voxels(Box<VoxelsArgs>),
-    /// Measure memory, build time and trace time of dense and octree volumes
-    #[command(after_help = volumes::EXAMPLES)]
-    Volumes(Box<VolumesArgs>),
     /// Measure the speed of standard cases, beside published figures: a report to read or to send
     /// in
     #[command(after_help = bench::EXAMPLES)]
@@ -165,22 +184,12 @@ pub enum Command {
     /// Measure the error of a picture against a reference: bias, RMSE, 95th percentile, FLIP
     #[command(after_help = compare::EXAMPLES)]
     Compare(Box<CompareArgs>),
-    /// Measure the errors of built-in scenes for presets and resolutions, and write a page about
-    /// them
-    #[command(after_help = quality::EXAMPLES)]
-    Quality(Box<QualityArgs>),
-    /// Measure the errors of light in rooms at random, which nobody tuned it for
-    #[command(after_help = rooms::EXAMPLES)]
-    Rooms(Box<RoomsArgs>),
     /// Measure light: lux at points or on a workplane, cd/m2 along rays or in a picture
     #[command(after_help = measure::EXAMPLES, mut_arg("surroundings", measure::of_measurements))]
     Measure(Box<MeasureArgs>),
     /// Bake the indirect light at a grid of probes into a file: an irradiance volume of Bevy
     #[command(after_help = bake::EXAMPLES, mut_arg("surroundings", measure::of_measurements))]
     Bake(Box<BakeArgs>),
-    /// Measure errors, flicker, delay and cost while camera, light or things move, one frame a step
-    #[command(after_help = motion::EXAMPLES)]
-    Motion(Box<MotionArgs>),
     /// Run commands that show and change a scene and save pictures of it: a script, or a prompt
     #[command(after_help = run::EXAMPLES)]
     Run(Box<RunArgs>),
@@ -307,5 +316,7 @@ pub struct ConvertArgs {
     pub json: bool,
 }
 
+#[cfg(test)]
+mod rules;
 #[cfg(test)]
 mod tests;

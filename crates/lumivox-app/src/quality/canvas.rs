@@ -6,8 +6,11 @@ use image::{Rgb, RgbImage, imageops};
 /// The alignment of text at a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Align {
+    /// It begins there.
     Left,
+    /// Its middle is there.
     Center,
+    /// It ends there.
     Right,
 }
 

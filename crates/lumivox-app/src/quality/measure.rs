@@ -27,9 +27,13 @@ const LIT_SAMPLES: u32 = 64;
 /// A scene to measure.
 #[derive(Clone, Copy, Debug)]
 pub struct Subject<'a> {
+    /// The GPU.
     pub gpu: &'a Gpu,
+    /// The scene.
     pub scene: &'a Scene,
+    /// Its camera.
     pub camera: &'a Camera,
+    /// Shows the progress.
     pub progress: &'a ProgressDisplay,
 }
 
@@ -50,13 +54,16 @@ pub struct Measured {
 /// Light in a dark room that came through its walls, in percent of the light in the room next door.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Leak {
+    /// After one bounce.
     pub one_bounce_percent: f64,
+    /// After all bounces.
     pub full_percent: f64,
 }
 
 /// A reference, as pictures.
 #[derive(Clone, Debug)]
 pub struct Truth {
+    /// Its layers.
     pub layers: ReferenceLayers,
     one_bounce: LinearPicture,
     full: LinearPicture,

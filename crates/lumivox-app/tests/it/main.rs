@@ -17,13 +17,16 @@ mod console;
 mod hostile;
 mod measure;
 mod merge;
-mod motion;
 mod process;
 mod reference;
-mod rooms;
 mod scene_files;
 mod sequences;
 mod truth;
 mod volumes;
 #[cfg(all(feature = "window", target_os = "linux"))]
 mod window;
+
+use lumivox_app::run;
+
+/// The tested program.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_lumivox");

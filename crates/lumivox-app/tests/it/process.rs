@@ -4,8 +4,6 @@ use std::fs;
 use std::process::Stdio;
 
 use crate::common::{CORNER, GPU, INPUT, OUTPUT, USAGE, command, folder, glb, names, process};
-#[cfg(unix)]
-use crate::common::{STOPPED, interrupt};
 
 /// A command for another program, run in a folder.
 #[cfg(target_os = "linux")]
@@ -164,44 +162,6 @@ fn without_a_desktop_nothing_complains() {
     let output = command.output().unwrap();
     assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
     assert_eq!(output.status.code(), Some(0));
-}
-
-/// Ctrl-C ends it between two measurements, with its own exit code; finished measurements are kept.
-#[cfg(unix)]
-#[test]
-#[ignore = "slow: over three seconds"]
-fn measurements_that_are_stopped_can_be_gone_on_with() {
-    use std::io::{BufRead as _, BufReader, Read as _};
-    let folder = folder();
-    let line = "quality page cornell --cache cache --presets fast,balanced,high --resolutions 16,24 \
-                --size 16x12 --samples 32 --frames 1 --offsets 1";
-    let words: Vec<&str> = line.split_whitespace().collect();
-    let mut child = command(folder.path(), &words)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stderr = BufReader::new(child.stderr.take().unwrap());
-    let mut said = String::new();
-    while !said.contains("3 of ") {
-        assert!(stderr.read_line(&mut said).unwrap() > 0, "it ended early: {said}");
-    }
-    interrupt(&child);
-    stderr.read_to_string(&mut said).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(STOPPED), "{said}");
-    assert!(
-        said.contains("measurements; cache has them, and the same command continues"),
-        "{said}"
-    );
-    let kept = fs::read(folder.path().join("cache/measurements.json")).unwrap();
-    let kept: serde_json::Value = serde_json::from_slice(&kept).unwrap();
-    let count = kept["entries"].as_object().unwrap().len();
-    assert!(count >= 2 && said.contains(&format!("stopped after {count} of ")), "{said}");
-    assert_eq!(names(&folder.path().join("cache")), ["cornell.exr", "measurements.json"]);
-    let run = process(folder.path(), &words, "").expect_ok();
-    assert!(!run.stderr.contains("warning: 1 of "), "{}", run.stderr);
-    assert!(run.stderr.contains(&format!("warning: {} of ", count + 1)), "{}", run.stderr);
 }
 
 /// Needs a process: the library ignores the log's environment variable.

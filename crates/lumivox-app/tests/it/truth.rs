@@ -1,4 +1,4 @@
-//! `lumivox compare SCENE` and `lumivox quality`: renderings against their path-traced truth.
+//! `lumivox compare SCENE`: renderings against their path-traced truth.
 
 use std::fs;
 
@@ -60,36 +60,4 @@ fn what_to_compare_must_be_said_once() {
     expect_error(folder.path(), "compare", USAGE, &["SCENE"]);
     let both = "compare builtin:cornell --images a.exr b.exr";
     expect_error(folder.path(), both, USAGE, &["--images"]);
-}
-
-#[test]
-#[ignore = "slow: over three seconds"]
-fn the_page_on_errors_is_written_and_work_goes_on_where_it_stopped() {
-    let folder = folder();
-    let line = "quality docs furnace --presets balanced,high --resolutions 16,24 --size 16x12 --samples \
-                32 --frames 2 --offsets 1 --cache kept";
-    lumivox(folder.path(), line).expect_ok();
-    let page = fs::read_to_string(folder.path().join("docs/quality.md")).unwrap();
-    for part in [
-        "# How far from the truth",
-        "| furnace | high |",
-        "images/quality/furnace.png",
-        "turned by",
-    ] {
-        assert!(page.contains(part), "{part} is missing in {page}");
-    }
-    let pictures = names(&folder.path().join("docs/images/quality"));
-    assert_eq!(pictures, ["error-against-cost.svg", "furnace.png"]);
-    // Nothing is measured again: a changed measurement shows up in the page.
-    let kept = folder.path().join("kept/measurements.json");
-    let text = fs::read_to_string(&kept).unwrap();
-    let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
-    json["entries"]["furnace 0,0,0 high 24"]["figures"]["one_bounce"]["bias_percent"] = 77.7.into();
-    fs::write(&kept, json.to_string()).unwrap();
-    lumivox(folder.path(), line).expect_ok();
-    let page = fs::read_to_string(folder.path().join("docs/quality.md")).unwrap();
-    assert!(page.contains("+77.7") && page.contains("missed"), "{page}");
-    let other = line.replace("--frames 2", "--frames 3");
-    expect_error(folder.path(), &other, INPUT, &["measurements.json", "delete it"]);
-    expect_error(folder.path(), "quality docs nonsense", INPUT, &["nonsense", "cornell"]);
 }

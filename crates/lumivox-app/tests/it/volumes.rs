@@ -1,51 +1,8 @@
-//! Kinds of volumes on the command line: their memory, views, and refusals.
+//! Kinds of volumes on the command line: their views, and refusals.
 
 use std::fs;
 
-use serde_json::Value;
-
 use crate::common::{GPU, INPUT, USAGE, expect_error, folder, lumivox, names};
-
-fn row<'a>(report: &'a Value, name: &str, resolution: u32) -> &'a Value {
-    let rows = report["rows"].as_array().unwrap();
-    let is_it = |row: &&Value| row["name"] == name && row["resolution"] == resolution;
-    rows.iter().find(is_it).unwrap_or_else(|| panic!("{name} at {resolution} in {report}"))
-}
-
-#[test]
-#[ignore = "slow: over three seconds"]
-fn memory_goes_with_the_surface() {
-    let folder = folder();
-    let line = "volumes builtin:cornell --resolutions 32,64 --no-trace --alternatives -o chart.svg";
-    let report = lumivox(folder.path(), &format!("{line} --json")).expect_ok().json();
-    let number =
-        |name, resolution, key: &str| row(&report, name, resolution)[key].as_f64().unwrap();
-    let growth = |name| number(name, 64, "bytes") / number(name, 32, "bytes");
-    assert!(growth("dense") > 7.0, "{}", growth("dense"));
-    // The surface grows fourfold, and only the small table eightfold.
-    assert!(growth("octree") < 5.0, "{}", growth("octree"));
-    assert!(number("octree", 64, "bytes") < 0.3 * number("dense", 64, "bytes"));
-    for name in ["dense", "octree", "locks", "neighbours by search", "mipmaps of every cell"] {
-        assert!(number(name, 64, "voxels") > 20_000.0, "{name}");
-        assert!(
-            number(name, 64, "build_ms") > 0.0 && number(name, 64, "update_ms") > 0.0,
-            "{name}"
-        );
-    }
-    assert!(number("neighbours by pointers", 64, "bytes") > number("octree", 64, "bytes"));
-    assert!(number("locks", 64, "lock_passes") >= 1.0);
-    assert!(row(&report, "octree", 64)["lock_passes"].is_null());
-    let chart = fs::read_to_string(folder.path().join("chart.svg")).unwrap();
-    assert!(chart.contains("octree") && chart.contains("dense"), "{chart}");
-    assert_eq!(names(folder.path()), ["chart.svg"]);
-
-    let text = lumivox(folder.path(), "volumes builtin:cornell --resolutions 32 --size 32x24")
-        .expect_ok()
-        .stdout;
-    for word in ["dense", "octree", "a voxel", "trace", " ms", "MiB"] {
-        assert!(text.contains(word), "{word} is missing in {text}");
-    }
-}
 
 #[test]
 fn a_picture_from_an_octree_tells_what_it_took() {
@@ -69,7 +26,6 @@ fn what_cannot_be_is_refused_with_numbers_and_a_remedy() {
     expect_error(folder.path(), &small, GPU, &["a dense volume", "1048576 are allowed"]);
     let view = format!("{render} --view bricks");
     expect_error(folder.path(), &view, INPUT, &["bricks", "--volume octree"]);
-    expect_error(folder.path(), "volumes builtin:cornell -o a.png", INPUT, &["a.png", ".svg"]);
     expect_error(folder.path(), &format!("{render} --volume tree"), USAGE, &["dense", "octree"]);
     assert!(names(folder.path()).is_empty(), "a refused command left files");
 }

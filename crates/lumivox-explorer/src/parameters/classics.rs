@@ -77,8 +77,7 @@ fn octree_builder(name: &str) -> Option<Arc<dyn OctreeBuilding>> {
 const VOXELIZER: Row = Row {
     name: "voxelizer",
     summary: "How triangles become voxels",
-    help: "All but the exact way use the GPU's rasterizer, and are there to be compared with it (`lumivox voxels SCENE \
-           --compare-voxelizers`).",
+    help: "All but the exact way use the GPU's rasterizer, and are there to be compared with it.",
     kind: Kind::Choice(&[
         Choice::new(EXACT, "every voxel that is touched, with the surface in it"),
         Choice::new(

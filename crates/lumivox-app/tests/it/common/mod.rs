@@ -7,7 +7,8 @@ use std::path::Path;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-pub use runner::{command, lumivox, lumivox_with, process};
+#[allow(unused_imports, reason = "each program's tests use most of them")]
+pub use runner::{command, in_this_process, lumivox, lumivox_with, process};
 
 /// How a run of the program ended.
 #[derive(Debug)]

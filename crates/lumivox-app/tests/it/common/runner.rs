@@ -17,7 +17,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::{Arc, Mutex, OnceLock};
 
-use lumivox_app::{Embedded, Host};
+use lumivox_app::{Embedded, Exit, Host};
 use lumivox_render::{Gpu, GpuOptions, RenderError};
 
 use super::Run;
@@ -29,12 +29,13 @@ pub fn lumivox(folder: &Path, line: &str) -> Run {
 
 /// Runs `lumivox` with words, and a script on stdin.
 pub fn lumivox_with(folder: &Path, words: &[&str], stdin: &str) -> Run {
-    in_this_process(folder, words, stdin).unwrap_or_else(|| process(folder, words, stdin))
+    in_this_process(|args, host| crate::run(args, host), folder, words, stdin)
+        .unwrap_or_else(|| process(folder, words, stdin))
 }
 
 /// A command that runs the program in a separate process.
 pub fn command(folder: &Path, words: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_lumivox"));
+    let mut command = Command::new(crate::PROGRAM);
     command
         .current_dir(folder)
         .env_remove("RUST_LOG")
@@ -64,10 +65,15 @@ impl From<Output> for Run {
     }
 }
 
-/// Runs the library on a thread whose working directory is `folder`; `None` if threads cannot have
-/// their own.
-fn in_this_process(folder: &Path, words: &[&str], stdin: &str) -> Option<Run> {
-    let args: Vec<OsString> = ["lumivox"].iter().chain(words).map(Into::into).collect();
+/// Runs a program's library on a thread whose working directory is `folder`; `None` if threads
+/// cannot have their own.
+pub fn in_this_process(
+    library: fn(Vec<OsString>, &Host) -> Exit,
+    folder: &Path,
+    words: &[&str],
+    stdin: &str,
+) -> Option<Run> {
+    let args = [crate::PROGRAM].iter().chain(words).map(Into::into).collect();
     let input = Cursor::new(stdin.to_owned());
     let (output, errors) = (Kept::default(), Kept::default());
     let host = Host::embedded(Embedded {
@@ -80,7 +86,7 @@ fn in_this_process(folder: &Path, words: &[&str], stdin: &str) -> Option<Run> {
         let run = scope.spawn(|| {
             enter(folder).then(|| {
                 let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
-                pool.install(|| lumivox_app::run(args, &host))
+                pool.install(|| library(args, &host))
             })
         });
         run.join()

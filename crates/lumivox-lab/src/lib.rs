@@ -1,0 +1,42 @@
+//! The `lumivox-lab` program: Lumivox measures itself. It is for developers, and is not shipped.
+//!
+//! | module | is |
+//! | --- | --- |
+//! | `quality` | docs/quality.md: errors of built-in scenes, of rooms at random, of materials |
+//! | `rooms` | errors of light in rooms at random |
+//! | `motion` | docs/motion.md: errors, flicker, delay and cost while something moves |
+//! | `volumes` | memory and times of dense and octree volumes |
+//! | `voxelizers` | all voxelizers against the exact one |
+//! | `dynamic` | the gain of keeping the static surface while other things move |
+//! | `charts`, `film`, `block_noise` | charts as SVG, animated pictures, the noise of a picture |
+//!
+//! Pictures are measured as `lumivox compare` does it ([`lumivox_app::parts`]).
+
+#![allow(
+    clippy::format_push_string,
+    reason = "write! into a String returns an error that cannot happen"
+)]
+#![cfg_attr(
+    test,
+    allow(clippy::unwrap_used, clippy::float_cmp, reason = "in a test a panic is the message")
+)]
+
+mod block_noise;
+mod charts;
+mod cli;
+mod dynamic;
+mod film;
+mod motion;
+mod quality;
+mod rooms;
+mod volumes;
+mod voxelizers;
+
+use std::ffi::OsString;
+
+use lumivox_app::{Exit, Host};
+
+/// Runs a command line; its first word is the program's name.
+pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
+    lumivox_app::parts::run::<cli::Cli>(args, host)
+}

@@ -1,0 +1,21 @@
+//! The laboratory as its users meet it.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "in a test a panic is the message, and zero is exact"
+)]
+
+#[allow(dead_code, reason = "the tests of lumivox-app use the rest")]
+#[path = "../../../lumivox-app/tests/it/common/mod.rs"]
+mod common;
+mod motion;
+mod quality;
+mod rooms;
+mod volumes;
+mod voxels;
+
+use lumivox_lab::run;
+
+/// The tested program.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_lumivox-lab");
