@@ -19,12 +19,12 @@ measure]. At the end it writes the numbers that other documents copy (scripts/fi
 two cores and no GPU takes about 90 minutes, and some more to build first. Stopped by Ctrl+C it loses one case at most: the
 same command goes on. Results of each state of the sources are kept in target/figures.
 
-  --program FILE  the program, built of this commit [default: ./lumivox, which builds it first]
+  --program FILE  the program, built of this commit, with lumivox-lab beside it [default: both are built first]
   -h, --help      show this text
 TEXT
 }
 
-program=$root/lumivox pages=()
+program='' pages=()
 while (($# > 0)); do
     case $1 in
     --program) program=$(readlink -f -- "${2:?--program needs a file}") && shift ;;
@@ -34,12 +34,18 @@ while (($# > 0)); do
     esac
     shift
 done
-[[ -x $program ]] || die "$program is no program."
 if on_linux; then
     pin_software_driver || die "Mesa's software driver, on which the pages are measured, is missing (Debian: mesa-vulkan-drivers)."
 fi
 set_target_dir
 cd "$root"
+if [[ -z $program ]]; then
+    ./lumivox --version >/dev/null # builds it, which is not measured
+    cargo build --release -p lumivox-lab
+    program=$target_dir/release/lumivox
+fi
+lab=$(dirname "$program")/lumivox-lab
+for file in "$program" "$lab"; do [[ -x $file ]] || die "$file is no program."; done
 figures() { python3 scripts/figures.py "$@"; }
 if ((${#pages[@]} == 0)); then
     for page in bench quality motion three gallery; do figures --old "$page" >/dev/null || pages+=("$page"); done
@@ -63,12 +69,12 @@ take_pictures() {
 }
 
 make_quality() {
-    "$program" quality "$work/quality/docs" --cache "$work/quality"
+    "$lab" quality "$work/quality/docs" --cache "$work/quality"
     take_pictures quality
 }
 
 make_motion() {
-    "$program" motion --doc "$work/motion/docs" --cache "$work/motion"
+    "$lab" motion --doc "$work/motion/docs" --cache "$work/motion"
     take_pictures motion
 }
 
@@ -92,7 +98,6 @@ make_gallery() {
     scripts/gallery.sh --texts
 }
 
-"$program" --version >/dev/null # builds it, which is not measured
 for page in ${pages[@]+"${pages[@]}"}; do
     say "== $page =="
     SECONDS=0

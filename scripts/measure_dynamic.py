@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Prints what it saves to keep what is static while other things move, from `lumivox voxels --dynamic-share`.
+"""Prints what it saves to keep what is static while other things move, from `lumivox-lab dynamic`.
 
-Usage: scripts/measure_dynamic.py [PROGRAM]   (default: target/release/lumivox; build it first, on an idle machine)
+Usage: scripts/measure_dynamic.py [PROGRAM]   (default: target/release/lumivox-lab; build it first, on an idle machine)
 
 The scene is a field of 576 spheres over a floor, 276 482 triangles, of which 1, 10 and 50 % move; and the atrium,
 whose triangles are few and large.
@@ -91,7 +91,7 @@ def field():
 
 
 def main():
-    program = sys.argv[1] if len(sys.argv) > 1 else os.path.join(ROOT, "target/release/lumivox")
+    program = sys.argv[1] if len(sys.argv) > 1 else os.path.join(ROOT, "target/release/lumivox-lab")
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "field.gltf")
@@ -100,8 +100,8 @@ def main():
         for name, scene in [("field", path), ("atrium", "builtin:atrium")]:
             for volume, share in [(volume, share) for volume in VOLUMES for share in SHARES]:
                 print(f"{name} {volume} {share}", file=sys.stderr)
-                command = [program, "voxels", scene, "--resolution", str(RESOLUTION),
-                           "--volume", volume, "--dynamic-share", str(share), "--json"]
+                command = [program, "dynamic", scene, "--resolution", str(RESOLUTION),
+                           "--volume", volume, "--share", str(share), "--json"]
                 result = subprocess.run(command, check=True, capture_output=True, text=True)
                 rows.append((f"{name}, {volume}", share, json.loads(result.stdout)))
 

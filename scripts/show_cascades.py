@@ -21,8 +21,8 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 IMAGES = os.path.join(ROOT, "docs", "images", "cascades")
 SUN = ["--shadow-resolution", "8192"]
 MIB = 1024 * 1024
-# The city's octree with its whole kilometre in one box, from `lumivox volumes builtin:city`: edge
-# of the voxels in m, and MiB.
+# The city's octree with its whole kilometre in one box, from `lumivox-lab volumes builtin:city`:
+# edge of the voxels in m, and MiB.
 OCTREE = [(1000 / 128, 28_272_180 / MIB), (1000 / 256, 112_373_280 / MIB)]
 
 
