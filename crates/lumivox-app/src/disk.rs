@@ -65,10 +65,7 @@ impl Outside for Disk {
     }
 
     fn write(&mut self, file: &str, bytes: &[u8]) -> anyhow::Result<()> {
-        write_atomically(Path::new(file), |out| out.write_all(bytes)).map_err(|error| {
-            let reason = format!("{file}: cannot be written: {error}");
-            Failure::output(format!("{reason}; check the folder and its permissions")).into()
-        })
+        output::write(Path::new(file), bytes)
     }
 }
 

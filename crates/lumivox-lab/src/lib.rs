@@ -35,8 +35,15 @@ mod voxelizers;
 use std::ffi::OsString;
 
 use lumivox_app::{Exit, Host};
+use lumivox_render::{Gpu, describe};
 
 /// Runs a command line; its first word is the program's name.
 pub fn run(args: impl IntoIterator<Item = OsString>, host: &Host) -> Exit {
     lumivox_app::parts::run::<cli::Cli>(args, host)
+}
+
+/// The machine, as pages name it.
+fn machine(gpu: &Gpu) -> String {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    format!("{}, {cores} cores", describe(&gpu.adapter_info))
 }

@@ -6,10 +6,10 @@ use lumivox::{Directionality, Grid, VolumeKind, dense_volume_bytes};
 use lumivox_app::Host;
 use lumivox_app::parts::{ProgressDisplay, check_scene, look_at, output};
 use lumivox_console::report::{AdapterReport, SceneCounts, Table, bytes, count};
-use lumivox_console::{Failure, shown};
+use lumivox_console::shown;
 use lumivox_explorer::parameters::{Value, find_parameter};
 use lumivox_render::{Gpu, Overlay, RenderSettings, Renderer, Wires};
-use lumivox_scene::{Scene, Staging, write_atomically};
+use lumivox_scene::{Scene, Staging};
 use serde::Serialize;
 
 use crate::charts::{MemoryPoint, memory_against_resolution};
@@ -48,8 +48,7 @@ pub fn run(args: &VolumesArgs, host: &Host) -> anyhow::Result<()> {
     };
     if let Some(file) = &args.output {
         let chart = memory_against_resolution(&report.scene.name, &report.points())?;
-        write_atomically(file, |out| std::io::Write::write_all(out, chart.as_bytes()))
-            .map_err(|e| Failure::output(format!("{}: cannot be written: {e}", file.display())))?;
+        output::write(file, chart.as_bytes())?;
     }
     if args.json {
         return host.print_json(&report);

@@ -1,11 +1,12 @@
 //! The output's path, checked before any work is done for it.
 
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use lumivox_console::Failure;
 use lumivox_render::ImageFormat;
+use lumivox_scene::write_atomically;
 
 /// Checks that a picture can be written to `file`: its format, its folder, and the folder's
 /// permissions.
@@ -74,6 +75,17 @@ pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder)
         .map_err(|e| Failure::output(format!("{}: cannot be made: {e}", folder.display())))?;
     check_folder(&folder.join("x"), folder)
+}
+
+/// Writes a file, complete or not at all.
+///
+/// # Errors
+/// A [`Failure`] of output that names the file.
+pub fn write(file: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write_atomically(file, |out| out.write_all(bytes)).map_err(|error| {
+        let reason = format!("{}: cannot be written: {error}", file.display());
+        Failure::output(reason + "; check the folder and its permissions").into()
+    })
 }
 
 /// The folder of a file.

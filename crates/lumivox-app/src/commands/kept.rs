@@ -1,11 +1,10 @@
 //! Measurements saved in a folder, so that a stopped run can continue.
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use lumivox_console::Failure;
-use lumivox_scene::{read_regular, write_atomically};
+use lumivox_scene::read_regular;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -72,8 +71,6 @@ impl<T: Serialize + DeserializeOwned> Kept<T> {
         self.content.entries.insert(key, entry);
         let Some(file) = &self.file else { return Ok(()) };
         let text = serde_json::to_string_pretty(&self.content)?;
-        write_atomically(file, |out| out.write_all(text.as_bytes())).map_err(|error| {
-            Failure::output(format!("{}: cannot be written: {error}", file.display())).into()
-        })
+        output::write(file, text.as_bytes())
     }
 }

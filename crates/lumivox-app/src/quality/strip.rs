@@ -148,7 +148,6 @@ impl Layout {
     }
 }
 
-/// The integer factor by which a picture is enlarged.
 /// Writes a strip as PNG, complete or not at all.
 ///
 /// # Errors
@@ -163,6 +162,7 @@ pub fn write_strip(file: &Path, image: &RgbImage) -> anyhow::Result<()> {
     })
 }
 
+/// The integer factor by which a picture is enlarged.
 fn factor(picture: &LinearPicture) -> u32 {
     let [width, height] = picture.size.to_array().map(|edge| edge.max(1));
     LEAST_WIDTH.div_ceil(width).min(MOST_ENLARGED_HEIGHT / height).max(1)

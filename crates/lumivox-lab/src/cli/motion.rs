@@ -33,11 +33,10 @@ pub struct MotionArgs {
     /// Names of the sequences, separated by commas [default: those of the scene; all without a
     /// scene]
     ///
-    /// orbit (the camera, about any scene), dolly (the camera, through the doorway of two-rooms),
-    /// lamp (a lamp moves), switch (lamps go off and on), block (a block of cornell slides and
-    /// turns), door (that of two-rooms closes and opens), sun (crosses the sky of atrium), walk (a
-    /// skinned figure), animation (a file's own); orbit-glossy and block-glossy are those of
-    /// cornell-glossy.
+    /// orbit (the camera, about any scene), lamp (a lamp moves), switch (lamps go off and on),
+    /// block (a block of cornell slides and turns), door (that of two-rooms closes and opens), sun
+    /// (crosses the sky of atrium), animation (a file's own); orbit-glossy and block-glossy are
+    /// those of cornell-glossy.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = "Measurement")]
     pub sequence: Vec<String>,
 
@@ -70,7 +69,7 @@ pub struct MotionArgs {
     #[arg(short, long, value_name = "FOLDER", help_heading = "Picture")]
     pub output: Option<PathBuf>,
 
-    /// Measure eight sequences (or those of --sequence) with the presets fast and realtime, and
+    /// Measure all sequences (or those of --sequence) with the presets fast and realtime, and
     /// write a page into this folder: a file motion.md, and its pictures in images/motion/
     /// [default: none]
     #[arg(long, value_name = "FOLDER", help_heading = "Picture")]

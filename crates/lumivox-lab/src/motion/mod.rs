@@ -8,7 +8,6 @@
 //! | `sequences.rs` | the table of sequences |
 //! | `moves.rs` | the pose of each sequence at a step |
 //! | `drive.rs` | a scene driven step by step, as the window does it |
-//! | `walk.rs` | the scene of the walking figure |
 //! | `truth.rs` | the path tracer's pictures |
 //! | `seen.rs` | what becomes visible in a step |
 //! | `figures.rs` | the formulas |
@@ -29,7 +28,6 @@ mod report;
 mod seen;
 mod sequences;
 mod truth;
-mod walk;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -43,11 +41,12 @@ use lumivox_app::parts::{
 };
 use lumivox_console::report::AdapterReport;
 use lumivox_console::{Failure, SceneSource};
-use lumivox_render::{Gpu, PresetChoice, RenderSettings, describe};
+use lumivox_render::{Gpu, PresetChoice, RenderSettings};
 use lumivox_scene::{Camera, Scene};
 use serde::Serialize;
 
 use crate::cli::MotionArgs;
+use crate::machine;
 use measure::{Measured, Task};
 use report::{Case, SequenceReport};
 use sequences::{Home, SEQUENCES, Sequence};
@@ -57,9 +56,6 @@ use truth::Truths;
 const PAGE: &str = "motion.md";
 /// The presets on the page.
 const PRESETS: [Preset; 2] = [Preset::Fast, Preset::Realtime];
-/// The sequences on the page if none are named: a camera, light, an object and a door move.
-const ON_PAGE: [&str; 8] =
-    ["orbit", "orbit-glossy", "lamp", "switch", "block", "block-glossy", "door", "sun"];
 /// The preset of the page's pictures.
 const SHOWN: Preset = Preset::Realtime;
 /// The rows of strips on the page.
@@ -112,7 +108,7 @@ pub fn run(args: &MotionArgs, host: &Host) -> anyhow::Result<()> {
         Some(file) if file == Path::new("-") => host.print_json(&report),
         Some(file) => {
             let text = serde_json::to_string_pretty(&report)? + "\n";
-            pictures::write_bytes(file, text.as_bytes())?;
+            output::write(file, text.as_bytes())?;
             host.print(&report.text())
         }
         None => host.print(&report.text()),
@@ -171,10 +167,8 @@ fn write_page(
     }
     let named: Vec<_> = cases.iter().map(|case| (case.preset.to_owned(), &case.report)).collect();
     pictures::write_charts(&named, &folder_of_pictures)?;
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let machine = format!("{}, {cores} cores", describe(&work.gpu.adapter_info));
-    let text = page::page(work.args, &machine, settings.resolution, &cases);
-    pictures::write_bytes(&folder.join(PAGE), text.as_bytes())
+    let text = page::page(work.args, &machine(work.gpu), settings.resolution, &cases);
+    output::write(&folder.join(PAGE), text.as_bytes())
 }
 
 /// The sequences of these names.
@@ -206,11 +200,7 @@ impl Work<'_> {
         }
         let all = || SEQUENCES.iter();
         let Some(source) = &self.args.scene else {
-            let is_on_page = |sequence: &&Sequence| match self.args.doc {
-                Some(_) => ON_PAGE.contains(&sequence.name),
-                None => sequence.home != Home::Animated,
-            };
-            return Ok(all().filter(is_on_page).collect());
+            return Ok(all().filter(|sequence| sequence.home != Home::Animated).collect());
         };
         if let SceneSource::Builtin(name) = source {
             let made_for_it = all().filter(|sequence| sequence.builtin() == Some(name.as_str()));
@@ -223,7 +213,7 @@ impl Work<'_> {
         let home = |sequence: &&Sequence| match sequence.home {
             Home::Animated => !scene.animations().is_empty(),
             Home::Any(_) => scene.animations().is_empty() && sequence.name == "orbit",
-            Home::Only(_) | Home::Figure => false,
+            Home::Only(_) => false,
         };
         Ok(all().filter(home).collect())
     }
@@ -242,18 +232,6 @@ impl Work<'_> {
 
     /// The scene of a sequence, and its camera.
     fn scene_of(&mut self, sequence: &Sequence) -> anyhow::Result<(Scene, Camera)> {
-        if sequence.home == Home::Figure {
-            if let Some(scene) = &self.args.scene {
-                return Err(Failure::input(format!(
-                    "the sequence {} has a scene of its own; leave {scene} out",
-                    sequence.name
-                ))
-                .into());
-            }
-            let scene = walk::scene()?;
-            let camera = scene.cameras.first().cloned().unwrap_or_default();
-            return Ok((scene, camera));
-        }
         let source = match (&self.args.scene, sequence.builtin()) {
             (Some(source), _) => source.clone(),
             (None, Some(name)) => SceneSource::Builtin(name.to_owned()),

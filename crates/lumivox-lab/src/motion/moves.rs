@@ -74,14 +74,6 @@ pub(super) fn orbit(start: &Start, step: &Step) -> Pose {
     }
 }
 
-pub(super) fn dolly(start: &Start, step: &Step) -> Pose {
-    let (from, to) = (Vec3::new(1.6, 1.25, 0.3), Vec3::new(-0.9, 1.2, 0.6));
-    let position = from.lerp(to, progress(step, 1));
-    let target = Vec3::new(-2.0, 0.9, 0.4);
-    let camera = Camera::look_at(position, target, start.camera.vertical_fov_rad);
-    Pose { camera, ..Pose::of(start) }
-}
-
 pub(super) fn lamp(start: &Start, step: &Step) -> Pose {
     let mut pose = Pose::of(start);
     let share = if step.phase == 1 { step.share } else { 0.0 };

@@ -5,10 +5,8 @@ use std::path::Path;
 use anyhow::Context as _;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{Rgb, RgbImage, imageops};
-use lumivox_app::parts::{Row, strip};
-use lumivox_console::Failure;
+use lumivox_app::parts::{Row, output, strip};
 use lumivox_render::compare::LinearPicture;
-use lumivox_scene::write_atomically;
 
 use super::measure::Measured;
 use super::report::SequenceReport;
@@ -35,16 +33,14 @@ pub fn write(measured: &Measured, most: usize, folder: &Path) -> anyhow::Result<
     let name = &measured.report.sequence;
     if let Some(strip) = strip_of(measured, most)? {
         let file = folder.join(strip_name(name));
-        let written = write_atomically(&file, |out| {
-            let (best, adaptive) = (CompressionType::Best, FilterType::Adaptive);
-            let encoder = PngEncoder::new_with_quality(out, best, adaptive);
-            strip.write_with_encoder(encoder).map_err(std::io::Error::other)
-        });
-        written.map_err(|error| unwritten(&file, &error))?;
+        let mut png = Vec::new();
+        let (best, adaptive) = (CompressionType::Best, FilterType::Adaptive);
+        strip.write_with_encoder(PngEncoder::new_with_quality(&mut png, best, adaptive))?;
+        output::write(&file, &png)?;
     }
     let frames = frames(measured);
     if !frames.is_empty() {
-        write_bytes(&folder.join(film_name(name)), &film(&frames, DELAY_MS)?)?;
+        output::write(&folder.join(film_name(name)), &film(&frames, DELAY_MS)?)?;
     }
     Ok(())
 }
@@ -86,27 +82,11 @@ pub fn write_charts(reports: &[(String, &SequenceReport)], folder: &Path) -> any
         }
     }
     let by_step = error_by_step("RMSE of irradiance at each step", &panels)?;
-    write_bytes(&folder.join(BY_STEP), by_step.as_bytes())?;
+    output::write(&folder.join(BY_STEP), by_step.as_bytes())?;
     if !points.is_empty() {
-        write_bytes(&folder.join(AGAINST_COST), error_against_cost(&points)?.as_bytes())?;
+        output::write(&folder.join(AGAINST_COST), error_against_cost(&points)?.as_bytes())?;
     }
     Ok(())
-}
-
-/// Writes a file, complete or not at all.
-///
-/// # Errors
-/// A [`Failure`] of output that names it.
-pub fn write_bytes(file: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    let written = write_atomically(file, |out| std::io::Write::write_all(out, bytes));
-    Ok(written.map_err(|error| unwritten(file, &error))?)
-}
-
-fn unwritten(file: &Path, error: &std::io::Error) -> Failure {
-    Failure::output(format!(
-        "{}: cannot be written: {error}; check the folder and its permissions",
-        file.display()
-    ))
 }
 
 fn strip_of(measured: &Measured, most: usize) -> anyhow::Result<Option<RgbImage>> {

@@ -7,8 +7,7 @@ use lumivox_console::Failure;
 use lumivox_scene::Scene;
 
 use super::moves::{
-    BLOCK, DOOR, Pose, Start, Step, add_door, animation, block, dolly, door, lamp, orbit, sun,
-    switch,
+    BLOCK, DOOR, Pose, Start, Step, add_door, animation, block, door, lamp, orbit, sun, switch,
 };
 
 /// The scene that a sequence is made for.
@@ -20,8 +19,6 @@ pub enum Home {
     Any(&'static str),
     /// Files with animations.
     Animated,
-    /// The scene of the walking figure, which is made for the sequence.
-    Figure,
 }
 
 /// Whether anything moves in a phase.
@@ -114,17 +111,6 @@ pub const SEQUENCES: &[Sequence] = &[
         ..ORBIT
     },
     Sequence {
-        name: "dolly",
-        about: "The camera moves from the dark room through the doorway into the lit one.",
-        home: Home::Only("two-rooms"),
-        phases: &[holds("start", 1), moves("dolly", 32)],
-        stop: None,
-        changes: &[],
-        moving: &[],
-        prepare: |_| Ok(()),
-        pose: dolly,
-    },
-    Sequence {
         name: "lamp",
         about: "The lamp moves to a corner, and is back at once.",
         home: Home::Any("cornell"),
@@ -188,17 +174,6 @@ pub const SEQUENCES: &[Sequence] = &[
         pose: sun,
     },
     Sequence {
-        name: "walk",
-        about: "A skinned figure walks through a room, one step with each leg.",
-        home: Home::Figure,
-        phases: &[holds("start", 1), moves("walks", 16)],
-        stop: None,
-        changes: &[],
-        moving: &[],
-        prepare: needs_animation,
-        pose: animation,
-    },
-    Sequence {
         name: "animation",
         about: "The file's first animation runs once.",
         home: Home::Animated,
@@ -221,7 +196,7 @@ impl Sequence {
     pub fn builtin(&self) -> Option<&'static str> {
         match self.home {
             Home::Only(name) | Home::Any(name) => Some(name),
-            Home::Animated | Home::Figure => None,
+            Home::Animated => None,
         }
     }
 

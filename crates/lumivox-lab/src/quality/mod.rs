@@ -16,10 +16,11 @@ use lumivox_app::parts::{
 };
 use lumivox_console::Failure;
 use lumivox_render::reference::ReferenceSettings;
-use lumivox_render::{Companions, Gpu, RenderSettings, describe};
+use lumivox_render::{Gpu, RenderSettings};
 use lumivox_scene::{Scene, builtin};
 
 use crate::cli::QualityArgs;
+use crate::machine;
 use cases::{Case, Entry, PICTURES, Rotation, cases};
 
 /// Matt scenes that are measured with glossy surfaces, too.
@@ -63,13 +64,18 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     let materials = if is_asked { Some(materials::measure(args, &gpu, &progress)?) } else { None };
     let noise = first_frames(args, &gpu, &progress, &names, rooms.as_ref(), &mut truths)?;
     let chart = if cases.is_empty() { None } else { Some(page::chart(&cases, &store)?) };
-    let machine = format!("{}, {} cores", describe(&gpu.adapter_info), cores());
-    let text =
-        page::page(args, &machine, &cases, &store, rooms.as_ref(), materials.as_ref(), &noise);
+    let text = page::page(
+        args,
+        &machine(&gpu),
+        &cases,
+        &store,
+        rooms.as_ref(),
+        materials.as_ref(),
+        &noise,
+    );
     let chart = chart.map(|chart| (pictures.join("error-against-cost.svg"), chart));
     for (file, text) in chart.into_iter().chain([(args.folder.join("quality.md"), text)]) {
-        std::fs::write(&file, text)
-            .map_err(|e| Failure::output(format!("{}: cannot be written: {e}", file.display())))?;
+        output::write(&file, text.as_bytes())?;
     }
     drop(progress);
     host.print(&format!("{}\n", args.folder.join("quality.md").display()))
@@ -143,10 +149,6 @@ fn settings_in_words(args: &QualityArgs) -> String {
     )
 }
 
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, Into::into)
-}
-
 /// The names of the scenes to measure.
 fn scene_names(asked: &[String]) -> anyhow::Result<Vec<String>> {
     let small = builtin::names().iter().copied().filter(|name| !builtin::is_large(name));
@@ -192,19 +194,11 @@ impl QualityRun<'_> {
         let scene = turned(&case.scene, case.rotation)?;
         let subject = |scene| self.subject(scene);
         let truth = truth_of(self.args, self.gpu, self.progress, &straight, truths)?;
-        let companions = Companions::of(case.preset);
         let settings = RenderSettings {
-            directionality: companions.directionality,
-            volume: companions.volume,
-            octree_builder: companions.octree_builder,
-            injection: companions.injection,
-            bounces: companions.bounces,
             size: self.args.size,
             frames: self.args.frames,
             resolution: case.resolution,
-            trace: case.preset.trace(),
-            cone_model: companions.cone_model,
-            ..RenderSettings::default()
+            ..RenderSettings::default().with_preset(case.preset, None)
         };
         let measured = Measured::new(&subject(&scene), truth, &settings, case.offsets(self.args))?;
         if let Some(name) = case.picture(&self.args.resolutions) {

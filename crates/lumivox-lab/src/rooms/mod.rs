@@ -11,16 +11,13 @@ mod figures;
 mod measure;
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use lumivox_app::Host;
 use lumivox_app::parts::{ProgressDisplay, check_wish, output, settings};
-use lumivox_console::Failure;
 use lumivox_console::report::AdapterReport;
 use lumivox_scene::rooms::{Kind, Room, room};
-use lumivox_scene::write_atomically;
 use serde::Serialize;
 
 use crate::cli::RoomsArgs;
@@ -92,7 +89,7 @@ pub fn run(args: &RoomsArgs, host: &Host) -> anyhow::Result<()> {
     }
     if let Some(file) = file {
         let text = serde_json::to_string_pretty(&report)? + "\n";
-        write(file, &text)?;
+        output::write(file, text.as_bytes())?;
     }
     host.print(&report.text(&args.resolutions))
 }
@@ -107,13 +104,7 @@ fn keep(room: &Room, folder: &Path) -> anyhow::Result<()> {
         let [nx, ny, nz] = normal.to_array();
         let _ = writeln!(text, "{x},{y},{z},{nx},{ny},{nz}");
     }
-    write(&folder.join(format!("{name}.csv")), &text)
-}
-
-fn write(file: &Path, text: &str) -> anyhow::Result<()> {
-    write_atomically(file, |out| out.write_all(text.as_bytes())).map_err(|error| {
-        Failure::output(format!("{}: cannot be written: {error}", file.display())).into()
-    })
+    output::write(&folder.join(format!("{name}.csv")), text.as_bytes())
 }
 
 /// The figures of all rooms.

@@ -111,7 +111,7 @@ fn a_file_is_measured_in_its_own_animation() {
 fn the_page_has_all_tables_and_pictures_at_release() {
     let folder = folder();
     let small = SMALL.replace(" --preset fast", "");
-    let line = format!("motion --doc docs --sequence door,walk,orbit {small} --cache kept");
+    let line = format!("motion --doc docs --sequence door,lamp,orbit {small} --cache kept");
     assert_eq!(lab(folder.path(), &line).expect_ok().stdout, "docs/motion.md\n");
     let read = || fs::read_to_string(folder.path().join("docs/motion.md")).unwrap();
     let page = read();
@@ -130,10 +130,10 @@ fn the_page_has_all_tables_and_pictures_at_release() {
         "## Cost",
         "| door | fast | full |",
         "| door | realtime | picture |",
-        "| walk | realtime | full |",
+        "| lamp | realtime | full |",
         "| door | closed | fast |",
         "images/motion/door-strip.png",
-        "images/motion/walk.png",
+        "images/motion/lamp.png",
     ] {
         assert!(page.contains(text), "{text} is missing in {page}");
     }
@@ -151,7 +151,6 @@ fn what_cannot_move_is_named() {
         ("--sequence jump", INPUT, &["\"jump\"", "orbit", "switch"][..]),
         ("builtin:furnace --sequence switch", INPUT, &["no lamp", "orbit"]),
         ("builtin:atrium --sequence block", INPUT, &["builtin:cornell", "atrium"]),
-        ("builtin:cornell --sequence walk", INPUT, &["scene of its own", "builtin:cornell"]),
         ("--sequence animation", INPUT, &["SCENE with an animation"]),
         ("builtin:nothing", INPUT, &["nothing", "cornell"]),
         ("--sequence orbit --preset vxct", INPUT, &["vxct", "choose another"]),

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use lumivox::TraceResolution;
 use lumivox::gpu::{StageTime, Timing};
 use lumivox_console::report::TimesReport;
-use lumivox_render::{Companions, Gpu, RenderError, RenderSettings, Renderer, View};
+use lumivox_render::{Gpu, RenderError, RenderSettings, Renderer, View};
 use lumivox_scene::{Camera, Scene};
 use pollster::block_on;
 
@@ -63,18 +63,12 @@ impl Bench<'_> {
     ) -> Result<Figures, RenderError> {
         // Discard errors of earlier cases.
         while self.gpu.check("starting").is_err() && !self.gpu.is_lost() {}
-        let companions = Companions::of(case.preset);
         let settings = RenderSettings {
-            directionality: companions.directionality,
-            injection: companions.injection,
-            bounces: companions.bounces,
-            cone_model: companions.cone_model,
-            trace: case.preset.trace(),
             volume: case.volume.volume(),
             resolution: case.resolution,
             size: case.size,
             frames: self.frames,
-            ..RenderSettings::default()
+            ..RenderSettings::default().with_preset(case.preset, None)
         };
         match motion {
             Motion::Still => self.still(subject, &settings),

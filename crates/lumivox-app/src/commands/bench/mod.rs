@@ -12,7 +12,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use lumivox_console::Failure;
-use lumivox_scene::{Staging, builtin, write_atomically};
+use lumivox_scene::{Staging, builtin};
 
 use super::kept::Kept;
 use super::staged;
@@ -147,19 +147,16 @@ fn write(
 ) -> anyhow::Result<()> {
     let page = page(report, published().as_ref());
     if let Some(file) = &args.output {
-        write_file(file, &page)?;
+        output::write(file, page.as_bytes())?;
     }
     match &args.json {
         Some(_) if is_json_on_stdout => return host.print_json(report),
-        Some(file) => write_file(file, &format!("{}\n", serde_json::to_string_pretty(report)?))?,
+        Some(file) => {
+            output::write(file, format!("{}\n", serde_json::to_string_pretty(report)?).as_bytes())?;
+        }
         None => {}
     }
     if args.output.is_some() { Ok(()) } else { host.print(&page) }
-}
-
-fn write_file(file: &Path, text: &str) -> anyhow::Result<()> {
-    write_atomically(file, |out| std::io::Write::write_all(out, text.as_bytes()))
-        .map_err(|e| Failure::output(format!("{}: cannot be written: {e}", file.display())).into())
 }
 
 #[cfg(test)]
