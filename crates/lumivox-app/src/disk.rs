@@ -1,11 +1,10 @@
 //! The console's access to the disk: files, and scenes by name in folders.
 
 use std::collections::HashSet;
-use std::io::Write as _;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
 use lumivox_console::{Failure, Outside, Reading, SceneRequest, SceneSource, is_scene, suggest};
-use lumivox_scene::{builtin, extensions_in_words, write_atomically};
+use lumivox_scene::{builtin, extensions_in_words};
 
 use crate::args::output;
 use crate::args::scene::{self, within};

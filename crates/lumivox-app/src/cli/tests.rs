@@ -12,7 +12,6 @@ use lumivox_render::{
 use lumivox_vxct::VxctSettings;
 
 use super::*;
-use crate::Exit;
 use crate::settings::expose_for_look;
 
 fn settings(args: &RenderArgs) -> RenderSettings {

@@ -24,7 +24,7 @@ impl Canvas {
     /// A canvas of one colour.
     pub fn new(width: u32, height: u32, color: Rgb<u8>) -> Self {
         let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT);
-        let font = font.expect("the font that is built in is sound");
+        let font = font.unwrap_or_else(|_| unreachable!("the font that is built in is sound"));
         Self { image: RgbImage::from_pixel(width, height, color), font }
     }
 

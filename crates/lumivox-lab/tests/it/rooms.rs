@@ -37,8 +37,7 @@ fn rooms_are_measured_within_six_percent() {
     let line =
         "measure kept/plain-8.glb --points kept/plain-8.csv --resolution 64 --frames 8 --json";
     let words: Vec<&str> = line.split_whitespace().collect();
-    let measured =
-        in_this_process(|args, host| lumivox_app::run(args, host), folder.path(), &words, "");
+    let measured = in_this_process(lumivox_app::run, folder.path(), &words, "");
     let Some(again) = measured.map(|run| run.expect_ok().json()) else { return };
     let lux = |readings: &serde_json::Value| -> Vec<f64> {
         readings.as_array().unwrap().iter().map(|lux| lux.as_f64().unwrap()).collect()

@@ -29,7 +29,7 @@ pub fn lumivox(folder: &Path, line: &str) -> Run {
 
 /// Runs `lumivox` with words, and a script on stdin.
 pub fn lumivox_with(folder: &Path, words: &[&str], stdin: &str) -> Run {
-    in_this_process(|args, host| crate::run(args, host), folder, words, stdin)
+    in_this_process(crate::run, folder, words, stdin)
         .unwrap_or_else(|| process(folder, words, stdin))
 }
 
