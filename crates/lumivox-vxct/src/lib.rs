@@ -1,5 +1,5 @@
 //! The look of VXCT: Phong's light, and a few fixed cones for shadows, reflections and diffuse
-//! light (docs/vxct-look.md), as a [`Look`] for [`RenderSettings::look`].
+//! light (docs/looks.md), as a [`Look`] for [`RenderSettings::look`].
 //!
 //! It has voxels of its own, a cube of them around the scene in one texture with 8 bits per channel
 //! (`voxels.rs`), and draws the scene's triangles with one fragment shader that does everything
@@ -41,8 +41,7 @@ pub use settings::{ConeShape, VxctSettings};
 pub const NAME: &str = "vxct";
 
 /// The look among others.
-pub const CHOICE: Choice =
-    Choice::new(NAME, "Phong's light and VXCT's own cones (docs/vxct-look.md)");
+pub const CHOICE: Choice = Choice::new(NAME, "Phong's light and VXCT's own cones (docs/looks.md)");
 
 /// The group of its settings.
 pub const GROUP: Group = Group::Look(NAME);

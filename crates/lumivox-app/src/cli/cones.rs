@@ -14,7 +14,7 @@ pub struct ConeArgs {
     ///
     /// All presets but report and vxct obey the same physics; they differ in noise, sharpness and
     /// cost. The options below change single values of the preset. vxct has VXCT's own cones for
-    /// the resolution (docs/vxct-look.md); of the options below it only uses those of the voxels'
+    /// the resolution (docs/looks.md); of the options below it only uses those of the voxels'
     /// bounces.
     #[arg(long, value_name = "NAME", value_parser = choices::preset_or_look())]
     pub preset: Option<PresetChoice>,

@@ -1,5 +1,5 @@
 //! The cones of the sparse voxel octree report, with the constants that make its look
-//! (docs/report-look.md).
+//! (docs/looks.md).
 //!
 //! Each departure is a setting of its own, whose default is the physics ([`ReportCones`]). The
 //! values are a uniform of the model, so they can change while a picture is shown.

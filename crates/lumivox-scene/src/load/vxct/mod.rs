@@ -1,5 +1,5 @@
 //! Reads the scenes of VXCT, a program for voxel cone tracing of 2019: a text of names and blocks
-//! that places OBJ files and point lights. `docs/vxct-scenes.md` describes the format and the
+//! that places OBJ files and point lights. `docs/looks.md` describes the format and the
 //! meaning of its numbers here.
 //!
 //! | file | does |
