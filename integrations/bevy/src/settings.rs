@@ -75,7 +75,7 @@ pub enum GiQuality {
 pub enum GiVolume {
     /// A box around all meshes, fitted again when they outgrow it or become much smaller.
     Scene {
-        /// Voxels along its longest edge, a multiple of 8 from 8 to 512; default 128.
+        /// Voxels along its longest edge, a multiple of 8 from 16 to 1024; default 128.
         resolution: u32,
     },
     /// A fixed box. Light from outside is Bevy's ambient light or environment map.
@@ -84,15 +84,15 @@ pub enum GiVolume {
         min: Vec3,
         /// Maximum corner, m.
         max: Vec3,
-        /// Voxels along its longest edge, a multiple of 8 from 8 to 512.
+        /// Voxels along its longest edge, a multiple of 8 from 16 to 1024.
         resolution: u32,
     },
     /// Nested boxes around the camera, which move with it, each twice as wide as the one inside.
     /// For large worlds.
     Cascades {
-        /// Number of boxes, 1 to 8.
+        /// Number of boxes, 1 to 16; large ones allow fewer.
         count: u32,
-        /// Voxels along an edge of each, 32 to 128.
+        /// Voxels along an edge of each, a multiple of 8 from 32 to 256.
         resolution: u32,
         /// Edge of the finest voxels, m.
         voxel_size: f32,
