@@ -56,12 +56,12 @@ impl Default for LumivoxGi {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub enum GiQuality {
-    /// Six coarse cones for one pixel in four, without temporal reuse: noisy.
+    /// Nine cones for one pixel in four, without temporal reuse: noisy.
     Fast,
     /// As `Fast`, and reuses the light of earlier frames: smooth, and changes are seen at once.
     #[default]
     Realtime,
-    /// Six finer cones for every pixel, without temporal reuse: for stills that accumulate, and for
+    /// Nine cones for every pixel, without temporal reuse: for stills that accumulate, and for
     /// comparison.
     Balanced,
     /// Twelve cones for every pixel: the least noise and error, at about six times the cost of
