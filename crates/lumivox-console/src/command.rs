@@ -136,9 +136,6 @@ pub struct Command {
     pub more: fn() -> String,
     /// A line that uses it.
     pub example: &'static str,
-    /// The difference from VXCT's command of this name; empty if there is none. `None` if VXCT has
-    /// no such command.
-    pub vxct: Option<&'static str>,
     /// For a command that only sets something: how many of its words, its name included, name the
     /// target. A later line that begins with the same words supersedes it.
     pub sets: Option<usize>,
@@ -181,7 +178,6 @@ pub const PLAIN: Command = Command {
     details: "",
     more: String::new,
     example: "",
-    vxct: None,
     sets: None,
     moves_camera: false,
     urgency: None,

@@ -1,6 +1,8 @@
 //! The texts of the help.
 
-use lumivox_explorer::parameters::{GROUPS, Kind, PARAMETERS, Parameter, find_parameter};
+use lumivox_explorer::parameters::{
+    GROUPS, Kind, OTHER_CONSOLES, PARAMETERS, Parameter, find_parameter,
+};
 
 use super::arguments::in_words;
 use super::{COMMANDS, Command, Group, Reply, suggest};
@@ -35,9 +37,12 @@ fn of_command(command: &Command) -> String {
     if !command.aliases.is_empty() {
         text += &format!("\n  Also: {}.", command.aliases.join(", "));
     }
-    if let Some(difference) = command.vxct {
-        let same = if difference.is_empty() { "the same" } else { difference };
-        text += &format!("\n  In VXCT: {same}.");
+    for other in OTHER_CONSOLES {
+        if let Some((_, difference)) = other.commands.iter().find(|(name, _)| *name == command.name)
+        {
+            let same = if difference.is_empty() { "the same" } else { difference };
+            text += &format!("\n  In {}: {same}.", other.program);
+        }
     }
     text + &format!("\n  Example: {}", command.example)
 }

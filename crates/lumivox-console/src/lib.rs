@@ -179,13 +179,15 @@ impl Console {
         self
     }
 
-    /// Shows a scene from its camera: [`Explorer::open`]. From one of VXCT's scenes to another the
-    /// camera is kept unless the request names one, because these scenes all fill the same cube.
+    /// Shows a scene from its camera: [`Explorer::open`]. From one scene of display values with a
+    /// grid of its own to another the camera is kept unless the request names one, because these
+    /// scenes all fill the same cube.
     pub fn open(&mut self, scene: OpenedScene) {
-        let is_of_vxct = |scene: &Scene| scene.grid_bounds.is_some() && scene.has_display_values();
+        let is_of_display =
+            |scene: &Scene| scene.grid_bounds.is_some() && scene.has_display_values();
         let stays = scene.request.camera.is_none()
-            && is_of_vxct(scene.prepared.scene())
-            && self.explorer.scene().is_some_and(is_of_vxct);
+            && is_of_display(scene.prepared.scene())
+            && self.explorer.scene().is_some_and(is_of_display);
         let camera = stays.then(|| self.explorer.camera().clone());
         self.explorer.open(scene.prepared);
         if let Some(camera) = camera {

@@ -1,6 +1,6 @@
 //! The page `docs/console.md`, made from the tables.
 
-use lumivox_explorer::parameters::{GROUPS, PARAMETERS, Parameter};
+use lumivox_explorer::parameters::{GROUPS, OTHER_CONSOLES, OtherConsole, PARAMETERS, Parameter};
 
 use super::{COMMANDS, Command, Group};
 
@@ -30,20 +30,10 @@ paths start at the folder in which the program was started, wherever the script 
 the present picture, to the bit.
 ";
 
-const VXCT_HEAD: &str = "
-## Commands of VXCT
-
-All commands of the program VXCT (2019) exist here with their names and aliases. VXCT silently ignores wrong names and
-numbers; here they are errors.
-
-| VXCT | here | what differs |
-| --- | --- | --- |
-";
-
 const SETTINGS_HEAD: &str = "
 ## Settings
 
-Each setting is a command: without a value it prints the setting, with one it sets it. Settings of the look `vxct` that are also
+Each setting is a command: without a value it prints the setting, with one it sets it. Settings of a look that are also
 commands above behave as described there: their switches toggle without a value. `reset NAME` resets a setting to the
 preset's value, `parameters` lists all with their values, and `help NAME` explains one.
 
@@ -66,24 +56,29 @@ pub fn markdown() -> String {
             text += &of_parameter(parameter);
         }
     }
-    text += VXCT_HEAD;
-    for command in COMMANDS.iter() {
-        if let Some(difference) = command.vxct {
-            let names: Vec<String> = command.names().map(|name| format!("`{name}`")).collect();
-            let differs = if difference.is_empty() { "" } else { difference };
-            text += &format!(
-                "| {} | `{}` | {} |\n",
-                names.join(", "),
-                escaped(&command.form()),
-                escaped(differs)
-            );
+    text + &OTHER_CONSOLES.iter().map(of_other).collect::<String>()
+}
+
+/// The commands of another program.
+fn of_other(other: &OtherConsole) -> String {
+    let program = other.program;
+    let mut text = format!(
+        "\n## Commands of {program}\n\nAll commands of {program} exist here with their names and aliases; wrong names and numbers \
+         are errors.\n\n| {program} | here | what differs |\n| --- | --- | --- |\n"
+    );
+    let row = |names: Vec<&str>, form: &str, differs: &str| {
+        let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+        format!("| {} | `{}` | {} |\n", names.join(", "), escaped(form), escaped(differs))
+    };
+    for (name, difference) in other.commands {
+        if let Some(command) = Command::find(name) {
+            text += &row(command.names().collect(), &command.form(), difference);
         }
     }
-    let of_vxct = PARAMETERS.iter().filter(|p| p.needs == Some(("look", "vxct")));
-    for parameter in of_vxct.filter(|parameter| Command::find(parameter.name).is_none()) {
-        let names: Vec<String> = parameter.names().map(|name| format!("`{name}`")).collect();
-        let name = parameter.name;
-        text += &format!("| {} | `{name} [VALUE]` | {} |\n", names.join(", "), parameter.help);
+    let of_look = PARAMETERS.iter().filter(|p| p.needs == Some(("look", other.look)));
+    for parameter in of_look.filter(|parameter| Command::find(parameter.name).is_none()) {
+        let form = format!("{} [VALUE]", parameter.name);
+        text += &row(parameter.names().collect(), &form, parameter.help);
     }
     text
 }

@@ -10,6 +10,7 @@
 // Tests compare floats that must be equal to the bit.
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
+mod commands;
 mod display;
 mod passes;
 mod records;
@@ -32,6 +33,7 @@ use lumivox_render::{
 };
 use lumivox_scene::{Bounds, Scene};
 
+pub use commands::COMMANDS;
 pub use display::{VxctDisplay, vxct_display};
 use passes::Passes;
 use records::{OF_EMITTER, OF_OTHERS, OF_STRENGTHS, Records};

@@ -143,7 +143,6 @@ pub const TABLE: &[Command] = &[
         summary: "Look from the first stored position",
         details: "The scene's second camera until another is stored.",
         example: "pos1",
-        vxct: Some("positions are stored by `store` and by scenes, VXCT's are fixed"),
         moves_camera: true,
         run: Now(|console, _| go(console, 0)),
         ..CAMERA
@@ -153,7 +152,6 @@ pub const TABLE: &[Command] = &[
         summary: "Look from the second stored position",
         details: "The scene's third camera until another is stored.",
         example: "pos2",
-        vxct: Some("as `pos1`"),
         moves_camera: true,
         run: Now(|console, _| go(console, 1)),
         ..CAMERA

@@ -23,7 +23,6 @@ pub const TABLE: &[Command] = &[
                   files, rotation, sun, sky and surroundings, such as `--up z --sky 30,120`; the defaults are those of the \
                   program's command line. Settings stay; changes of objects, materials and lights are lost.",
         example: "load builtin:atrium --sky 40,120",
-        vxct: Some("any format that loads; entries of scene files that VXCT ignores are reported"),
         run: Now(load),
         ..FILES
     },

@@ -68,7 +68,6 @@ pub const TABLE: &[Command] = &[
         summary: "Render frames one by one, on demand, or continuously",
         details: "Without a value it toggles, and prints the new state. In scripts frames are always on demand.",
         example: "sfMode on",
-        vxct: Some(""),
         run: Now(|console, arguments| {
             let is_on = toggled(arguments, "sfMode", console.explorer.is_single_frame)?;
             console.explorer.is_single_frame = is_on;
@@ -85,7 +84,6 @@ pub const TABLE: &[Command] = &[
         details: "Without a value it renders one more frame of the picture, and prints its number and time. With a value it sets \
                   `shininess_falloff`.",
         example: "sf",
-        vxct: Some("prints the frame and its time"),
         run: Waits(|console, arguments| Box::pin(step(console, arguments))),
         ..FRAMES
     },
@@ -95,7 +93,6 @@ pub const TABLE: &[Command] = &[
         details: "`clearf` forgets them. If there are fewer, more frames are rendered only to \
                   be timed, for a second at most.",
         example: "avgf",
-        vxct: Some("milliseconds, where VXCT prints seconds under that label"),
         run: Waits(|console, _| Box::pin(average(console))),
         ..FRAMES
     },
@@ -103,7 +100,6 @@ pub const TABLE: &[Command] = &[
         name: "clearf",
         summary: "Forget the times of the frames so far",
         example: "clearf",
-        vxct: Some(""),
         run: Now(|console, _| {
             console.explorer.times.clear();
             Ok(Reply::default())
@@ -118,7 +114,6 @@ pub const TABLE: &[Command] = &[
         summary: "Print the times of the last frames in milliseconds, the newest last",
         details: "From 1 to 4096, or as many as there are.",
         example: "lastframes 8",
-        vxct: Some("milliseconds"),
         run: Now(|console, arguments| {
             let text = arguments.first().copied().unwrap_or_default();
             let count = number(text, "frames", 1..=4096)? as usize;
@@ -139,7 +134,6 @@ pub const TABLE: &[Command] = &[
         details: "On: each time is that of one frame. Off: the CPU works ahead, and times are from frame to \
                   frame. Without a value it toggles, and prints the new state.",
         example: "draw_block on",
-        vxct: Some("on at first"),
         run: Now(|console, arguments| {
             let is_on = toggled(arguments, "draw_block", console.explorer.waits_for_gpu)?;
             console.explorer.waits_for_gpu = is_on;

@@ -1,9 +1,7 @@
-//! Commands for light, cones and the look: VXCT's switches that also mean something in the physical
-//! look.
-//!
-//! VXCT's other switches and numbers are settings of the look `vxct`, and commands by their names.
+//! Commands that show components of light: a setting of the look if it has one of that name, else
+//! views and settings of the physical look.
 
-use lumivox_explorer::parameters::{Value, find_parameter};
+use lumivox_explorer::parameters::{Parameter, Value, find_parameter};
 use lumivox_render::{RenderSettings, ShadowMethod, View};
 
 use crate::arguments::{on_or_off, toggled};
@@ -29,11 +27,10 @@ macro_rules! only {
             takes: &[],
             summary: $summary,
             details: concat!(
-                "Look vxct: sets the switches phong, vox_diffuse, vox_specular and vox_shadows. ",
+                "Other looks: sets their switches phong, vox_diffuse, vox_specular and vox_shadows. ",
                 $details
             ),
             example: $name,
-            vxct: Some("in the physical look a view"),
             run: Now(|console, _| only(console, $view, $on)),
             ..LOOK
         }
@@ -43,10 +40,9 @@ pub const TABLE: &[Command] = &[
     Command {
         name: "phong",
         summary: "Show direct light, or leave it out",
-        details: "Look vxct: all terms of Phong's model. Physical look: off shows the view `indirect`, on `final`. Without a value \
+        details: "Physical look: off shows the view `indirect`, on `final`. Without a value \
                   it toggles, and prints the new state.",
         example: "phong off",
-        vxct: Some("in the physical look a choice of views"),
         run: Now(phong),
         ..LOOK
     },
@@ -57,7 +53,6 @@ pub const TABLE: &[Command] = &[
         details: "Physical look: off sets `bounces` to 0, which ends glossy reflections as well; on brings the former number \
                   back. Without a value it toggles, and prints the new state.",
         example: "vdiff off",
-        vxct: Some("in the physical look it sets `bounces`"),
         run: Now(diffuse),
         ..LOOK
     },
@@ -67,7 +62,6 @@ pub const TABLE: &[Command] = &[
         summary: "Add glossy reflections, or leave them out",
         details: "Physical look: the setting `specular`. Without a value it toggles, and prints the new state.",
         example: "vspec off",
-        vxct: Some("in the physical look it sets `specular`"),
         run: Now(specular),
         ..LOOK
     },
@@ -75,10 +69,9 @@ pub const TABLE: &[Command] = &[
         name: "vox_shadows",
         aliases: &["vshad"],
         summary: "Trace shadows through the voxels, or not",
-        details: "Look vxct: off is without shadows. Physical look: on is `shadows cone`, off `shadows map`. Without a value it \
+        details: "Physical look: on is `shadows cone`, off `shadows map`. Without a value it \
                   toggles, and prints the new state.",
         example: "vshad on",
-        vxct: Some("in the physical look there are always shadows, by cones or by maps"),
         run: Now(shadows),
         ..LOOK
     },
@@ -113,13 +106,14 @@ pub const TABLE: &[Command] = &[
     ),
 ];
 
-/// Whether the look is VXCT's.
-pub fn is_vxct(console: &Console) -> bool {
-    console.explorer.settings().look_name() == "vxct"
+/// The setting of the look that has this name, if the look in use has it.
+pub fn of_look(console: &Console, name: &str) -> Option<&'static Parameter> {
+    let settings = console.explorer.settings();
+    find_parameter(name).filter(|parameter| parameter.means_something(settings))
 }
 
 fn phong(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
-    if is_vxct(console) {
+    if of_look(console, "phong").is_some() {
         return super::parameters::run(console, "phong", arguments);
     }
     let was_on = super::view::base(console) != View::Indirect;
@@ -129,7 +123,7 @@ fn phong(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
 }
 
 fn diffuse(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
-    if is_vxct(console) {
+    if of_look(console, "vox_diffuse").is_some() {
         return super::parameters::run(console, "vox_diffuse", arguments);
     }
     let now = console.explorer.settings().bounces;
@@ -147,7 +141,7 @@ fn diffuse(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
 }
 
 fn specular(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
-    if is_vxct(console) {
+    if of_look(console, "vox_specular").is_some() {
         return super::parameters::run(console, "vox_specular", arguments);
     }
     let is_on = toggled(arguments, "vox_specular", console.explorer.settings().trace.specular)?;
@@ -156,7 +150,7 @@ fn specular(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> 
 }
 
 fn shadows(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
-    if is_vxct(console) {
+    if of_look(console, "vox_shadows").is_some() {
         return super::parameters::run(console, "vox_shadows", arguments);
     }
     let was_on = console.explorer.settings().shadows == ShadowMethod::Cone;
@@ -167,19 +161,20 @@ fn shadows(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::say(format!("vox_shadows {}: shadows {how}", on_or_off(is_on))))
 }
 
-/// VXCT's switches of the components of light.
+/// A look's switches of the components of light.
 const SWITCHES: [&str; 4] = ["phong", "vox_diffuse", "vox_specular", "vox_shadows"];
 
 /// Shows one component of light. `on` are the new states of [`SWITCHES`].
 fn only(console: &mut Console, view: View, on: [bool; 4]) -> anyhow::Result<Reply> {
-    if !is_vxct(console) {
+    let [Some(phong), Some(diffuse), Some(specular), Some(shadows)] =
+        SWITCHES.map(|name| of_look(console, name))
+    else {
         super::view::show(console, view)?;
         return Ok(Reply::default());
-    }
+    };
     console.change(|settings| {
-        for (name, is_on) in SWITCHES.into_iter().zip(on) {
-            let switch = find_parameter(name);
-            let _ = switch.map(|switch| switch.set(settings, Value::Switch(is_on)));
+        for (switch, is_on) in [phong, diffuse, specular, shadows].into_iter().zip(on) {
+            let _ = switch.set(settings, Value::Switch(is_on));
         }
     })?;
     super::view::show(console, View::Final)?;

@@ -38,7 +38,6 @@ pub const TABLE: &[Command] = &[
         summary: "Move an object along its own axes",
         details: "In metres of its own space, along one axis or all, in addition to earlier transforms.",
         example: "translate 'tall block' x 0.1",
-        vxct: Some("unknown names and wrong numbers are errors; VXCT ignores them"),
         run: Now(|console, arguments| {
             transform(console, arguments, "the distance in metres", PLACE, |by| {
                 Ok(Mat4::from_translation(by))
@@ -54,7 +53,6 @@ pub const TABLE: &[Command] = &[
         summary: "Turn an object about its own axes",
         details: "In degrees about one axis, or about x, y and z (z first), in addition to earlier transforms.",
         example: "rotate 'tall block' y 30",
-        vxct: Some("unknown names and wrong numbers are errors; VXCT ignores them"),
         run: Now(|console, arguments| {
             transform(console, arguments, "the angle in degrees", TURN, |degrees| {
                 let [x, y, z] = degrees.map(f32::to_radians).to_array();
@@ -71,7 +69,6 @@ pub const TABLE: &[Command] = &[
         details: "By one factor, or one for each of its own axes, from -1000000 to 1000000 but not 0, in addition to \
                   earlier transforms.",
         example: "scale 'tall block' 0.5",
-        vxct: Some("unknown names and wrong numbers are errors; VXCT ignores them"),
         run: Now(|console, arguments| {
             let arguments = match arguments {
                 [name, factor] => vec![*name, *factor, *factor, *factor],
@@ -116,7 +113,6 @@ pub const TABLE: &[Command] = &[
         summary: "Hide an object, or show it again",
         details: "A hidden object is neither drawn nor voxelized, and casts no shadow. Prints the new state.",
         example: "toggle FrontWall",
-        vxct: Some("unknown names are errors; it prints what it did"),
         run: Now(|console, arguments| {
             let name = arguments.first().copied().unwrap_or_default();
             let object = object(console, arguments)?;
@@ -177,7 +173,7 @@ fn transform(
 ) -> anyhow::Result<Reply> {
     let object = object(console, arguments)?;
     let local = matrix(match arguments.get(1..).unwrap_or_default() {
-        // VXCT's syntax.
+        // An axis and a number.
         [axis, value] if !axis.contains(',') => {
             let along = match choice(axis, "the axis", &["x", "y", "z"])? {
                 "x" => Vec3::X,

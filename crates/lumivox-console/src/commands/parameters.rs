@@ -19,7 +19,7 @@ pub const TABLE: &[Command] = &[
         count: (0, 1),
         takes: &[Takes::Word(&GROUP_NAMES)],
         summary: "List the settings with their values and ranges",
-        details: "Each setting is a command, too: without a value it prints the setting, with one it sets it; switches of the look vxct toggle \
+        details: "Each setting is a command, too: without a value it prints the setting, with one it sets it; switches of a look toggle \
                   without one.",
         example: "parameters cones",
         run: Now(list),
@@ -76,16 +76,16 @@ pub fn run(console: &mut Console, name: &str, arguments: &[&str]) -> anyhow::Res
     let Some(parameter) = find_parameter(name) else { return Err(unknown(name).into()) };
     let settings = console.explorer.settings();
     let name = parameter.name;
-    let is_of_look = parameter.needs.is_some_and(|(needed, _)| needed == "look");
-    if is_of_look && !parameter.means_something(settings) {
+    let look = parameter.needs.and_then(|(needed, look)| (needed == "look").then_some(look));
+    if let Some(look) = look.filter(|_| !parameter.means_something(settings)) {
         return Err(Failure::input(format!(
-            "{name} is a setting of the look vxct, but the look is physical; `preset vxct` sets that look and its settings"
+            "{name} is a setting of the look {look}, but the look is physical; `preset {look}` sets that look and its settings"
         ))
         .into());
     }
     match arguments {
-        // VXCT's switches toggle, and print the new state.
-        [] | [_] if is_of_look && parameter.kind == Kind::Switch => {
+        // A look's switches toggle, and print the new state.
+        [] | [_] if look.is_some() && parameter.kind == Kind::Switch => {
             let is_on = toggled(arguments, name, parameter.get(settings).is_on())?;
             console.change(|settings| {
                 let _ = parameter.set(settings, Value::Switch(is_on));
@@ -176,7 +176,7 @@ fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
             }))
         }
         ["all"] => {
-            // The resolution is reset as well, and with it the cones of VXCT's look.
+            // The resolution is reset as well, and with it the cones of a look.
             let preset = of_preset_at(console, RenderSettings::default().resolution);
             console.change(|settings| set_all(settings, &preset))?;
             Ok(Reply::default())
@@ -201,7 +201,7 @@ fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
 }
 
 /// `true` if copying a setting changes no other setting: the options of an octree require an
-/// octree, and those of VXCT's look require that look.
+/// octree, and those of a look require that look.
 fn is_free(parameter: &Parameter, settings: &RenderSettings, from: &RenderSettings) -> bool {
     parameter.means_something(settings) && parameter.means_something(from)
 }

@@ -93,7 +93,6 @@ pub const TABLE: &[Command] = &[
         aliases: &["exit", "q"],
         summary: "End the program",
         example: "quit",
-        vxct: Some(""),
         urgency: Some(Urgency::Quit),
         run: Now(|_, _| Ok(Reply::ask(Effect::Quit))),
         ..PROGRAM

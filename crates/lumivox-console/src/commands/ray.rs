@@ -21,7 +21,6 @@ pub const TABLE: &[Command] = &[Command {
               stay in place when objects move. `mark` draws them without casting a ray: from a point to a point, with a normal of a length \
               in metres; `script` prints it.",
     example: "ray 320 180",
-    vxct: Some("prints the object, the place and the normal, too"),
     run: Now(run),
     ..PLAIN
 }];

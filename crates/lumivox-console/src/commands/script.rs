@@ -24,7 +24,7 @@ fn lines(console: &Console) -> Vec<String> {
     let explorer = &console.explorer;
     let settings = explorer.settings();
     let mut lines = vec![format!("size {}x{}", settings.size.x, settings.size.y)];
-    // VXCT's cones depend on the resolution at which its look is chosen.
+    // Cones of a look depend on the resolution at which it is chosen.
     lines.push(format!("resolution {}", settings.resolution));
     lines.push(format!("preset {}", explorer.preset().name()));
     let preset = parameters::of_preset(console);

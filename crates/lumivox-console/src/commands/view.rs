@@ -23,7 +23,6 @@ pub const TABLE: &[Command] = &[
         details: "Without surfaces, only overlays are seen, on a plain background. Without a value it \
                   toggles, and prints the new state.",
         example: "objs off",
-        vxct: Some(""),
         run: Now(|console, arguments| {
             flip_objects(console, arguments, "objs", |now| &mut now.surfaces)
         }),
@@ -35,7 +34,6 @@ pub const TABLE: &[Command] = &[
         summary: "Show the objects as wires instead of surfaces, or as surfaces again",
         details: "Draws all edges of all triangles. Without a value it toggles, and prints the new state.",
         example: "objsW on",
-        vxct: Some(""),
         run: Now(|console, arguments| {
             flip_objects(console, arguments, "objsW", |now| &mut now.wires)
         }),
@@ -48,7 +46,6 @@ pub const TABLE: &[Command] = &[
         details: "Hidden edges are left out; `wireframe through` shows those, too. Without a value it toggles, and prints \
                   the new state.",
         example: "overlayW on",
-        vxct: Some(""),
         run: Now(|console, arguments| {
             flip_objects(console, arguments, "overlayW", |now| &mut now.overlay)
         }),
@@ -60,7 +57,6 @@ pub const TABLE: &[Command] = &[
         details: "`lod` sets their level. It is the view `voxels`, or `wire-voxels` while `voxsW` is on. Without a value it \
                   toggles, and prints the new state.",
         example: "voxs on",
-        vxct: Some(""),
         run: Now(|console, arguments| flip_view(console, arguments, "voxs", |now| &mut now.voxels)),
         ..VIEW
     },
@@ -71,7 +67,6 @@ pub const TABLE: &[Command] = &[
         details: "While `voxs` is on it changes the picture. `wire_voxels over` draws wire cubes over surfaces. Without a value \
                   it toggles, and prints the new state.",
         example: "voxsW on",
-        vxct: Some(""),
         run: Now(|console, arguments| flip_view(console, arguments, "voxsW", |now| &mut now.wires)),
         ..VIEW
     },
@@ -81,7 +76,6 @@ pub const TABLE: &[Command] = &[
         details: "`lod` sets the level. It is the view `lod`, which overrides `iLight`; that keeps its state. Without a value it \
                   toggles, and prints the new state.",
         example: "loclod on",
-        vxct: Some(""),
         run: Now(|console, arguments| flip_view(console, arguments, "loclod", |now| &mut now.lod)),
         ..VIEW
     },
@@ -90,9 +84,8 @@ pub const TABLE: &[Command] = &[
         usage: "[LEVEL]",
         takes: &[Takes::Anything],
         summary: "Set the level of the shown voxels, or print it",
-        details: "0 is the finest. It is the setting `level`. Look vxct: 0 to 6.",
+        details: "0 is the finest. It is the setting `level`.",
         example: "lod 2",
-        vxct: Some(""),
         run: Now(|console, arguments| super::parameters::run(console, "level", arguments)),
         ..VIEW
     },
@@ -100,10 +93,8 @@ pub const TABLE: &[Command] = &[
         name: "iLight",
         aliases: &["ilight"],
         summary: "Show all light, or only direct light",
-        details: "Physical look: off is the view `direct`, on `final`. Look vxct: off is Phong shading, with highlights and \
-                  without shadows. Without a value it toggles, and prints the new state.",
+        details: "Physical look: off is the view `direct`, on `final`. Without a value it toggles, and prints the new state.",
         example: "iLight off",
-        vxct: Some("on at first"),
         run: Now(indirect),
         ..VIEW
     },
@@ -243,7 +234,7 @@ fn flip_objects(
 }
 
 fn indirect(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
-    let of_look = find_parameter("indirect_light").filter(|_| super::look::is_vxct(console));
+    let of_look = super::look::of_look(console, "indirect_light");
     let was_on = match of_look {
         Some(parameter) => parameter.get(console.explorer.settings()).is_on(),
         None => base(console) != View::Direct,

@@ -27,7 +27,6 @@ pub const TABLE: &[Command] = &[
         summary: "Voxelize once more, now",
         details: "Static objects as well; prints the number of voxels.",
         example: "vox",
-        vxct: Some("also clears earlier voxels at the first time"),
         run: Waits(|console, _| {
             Box::pin(async {
                 console.explorer.ask_for_voxels();
@@ -45,9 +44,6 @@ pub const TABLE: &[Command] = &[
         summary: "Voxelize at an interval, every half second or as `vox_freq` says, or stop it",
         details: "Without a value it toggles, and prints the new state. Off is `revoxelize when_moved`; on restores the last interval.",
         example: "dynamic on",
-        vxct: Some(
-            "when off, voxels still follow moved objects; `revoxelize when_asked` is VXCT's off",
-        ),
         run: Now(dynamic),
         ..VOXELS
     },
@@ -58,7 +54,6 @@ pub const TABLE: &[Command] = &[
         summary: "Set the seconds between voxelizations while `dynamic` is on, or print them",
         details: "From 0.001 to 86400; 0 voxelizes at every frame. The default is 0.5.",
         example: "vox_freq 0.25",
-        vxct: Some(""),
         run: Now(period),
         ..VOXELS
     },

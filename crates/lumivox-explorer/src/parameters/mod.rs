@@ -42,6 +42,23 @@ pub const PRESETS: &[PresetChoice] = &[
     lumivox_vxct::PRESET,
 ];
 
+/// A program whose commands the console has under the same names.
+#[derive(Clone, Copy, Debug)]
+pub struct OtherConsole {
+    /// The program.
+    pub program: &'static str,
+    /// The look whose settings are commands, too.
+    pub look: &'static str,
+    /// Each command, and how it differs here; empty if it does not.
+    pub commands: &'static [(&'static str, &'static str)],
+}
+
+/// The programs whose commands the console has.
+pub const OTHER_CONSOLES: &[OtherConsole] = &[
+    #[cfg(feature = "classics")]
+    OtherConsole { program: "VXCT", look: lumivox_vxct::NAME, commands: lumivox_vxct::COMMANDS },
+];
+
 /// The presets of the physical look: their pictures are in physical units, and can be compared with
 /// references.
 pub const PRESETS_TO_MEASURE: &[PresetChoice] = &[

@@ -26,7 +26,6 @@ pub const SETMAT: Command = Command {
               material; all objects of the material change. The physical look shows the closest surface. Other \
               materials become Phong materials by `material NAME shading phong`.",
     example: "setmat Floor color 0.2 0.4 0.8",
-    vxct: Some("takes colours, too"),
     edits: Edits::Look,
     run: Now(setmat),
     ..MATERIALS
