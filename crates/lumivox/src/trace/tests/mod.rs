@@ -58,7 +58,7 @@ impl Room {
             multisampled: false,
         };
         let bindings = [wgpu::TextureSampleType::Uint, wgpu::TextureSampleType::Depth].map(texture);
-        let module = Mounted::new(include_str!("tests/packed.wgsl"), bindings);
+        let module = Mounted::new(include_str!("packed.wgsl"), bindings);
         let config = GiConfig { gbuffer: Some(module), ..GiConfig::new(grid()) };
         let (device, queue, gi, lights) = lit(config);
         let (depth, colors) =

@@ -121,7 +121,7 @@ fn shadow_maps_of_another_layout_give_the_same_bits() {
         has_dynamic_offset: false,
         min_binding_size: None,
     };
-    let module = Mounted::new(include_str!("tests/forward.wgsl"), [buffer, texture, sampler]);
+    let module = Mounted::new(include_str!("forward.wgsl"), [buffer, texture, sampler]);
     let mut lab = Lab::new(Some(module));
     let (depth, _) = room::draw((&lab.device, &lab.queue), (view, size), "forward_shadow", &[]);
     let matrix = upload(&lab.device, "matrix", &[clip_from_world]);

@@ -1,8 +1,7 @@
 //! Shared by the tests inside the crate: a device, simple geometry, textures read back.
 
-#[path = "../tests/it/common/mod.rs"]
+#[path = "../../tests/it/common/mod.rs"]
 mod common;
-#[path = "testing/nodes.rs"]
 pub(crate) mod nodes;
 
 use bytemuck::Pod;
