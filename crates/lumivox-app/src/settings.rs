@@ -22,7 +22,7 @@ pub fn of(preset: PresetChoice, size: UVec2, given: &[Given]) -> Result<RenderSe
         }
     };
     let physical = RenderSettings { size, ..RenderSettings::default() };
-    // First only the resolution, on which the cones of VXCT's look depend.
+    // First only the resolution, on which the cones of a look may depend.
     let mut settings = physical.clone();
     take(&mut settings);
     settings = RenderSettings { resolution: settings.resolution, ..physical };
@@ -30,14 +30,16 @@ pub fn of(preset: PresetChoice, size: UVec2, given: &[Given]) -> Result<RenderSe
     let look = settings.look_name();
     take(&mut settings);
     let option = |parameter: &Parameter| match parameter.needs {
-        Some(("look", _)) => format!("--vxct {}", parameter.name),
+        Some(("look", look)) => format!("--{look} {}", parameter.name),
         _ => format!("--{}", parameter.name.replace('_', "-")),
     };
     for (parameter, value) in given {
-        if matches!(parameter.needs, Some(("look", needed)) if needed != look) {
+        if let Some(("look", needed)) = parameter.needs
+            && needed != look
+        {
             let option = option(parameter);
             return Err(Failure::input(format!(
-                "{option}: it is a setting of the look vxct; add --preset vxct"
+                "{option}: it is a setting of the look {needed}; add --preset {needed}"
             )));
         }
         if parameter.get(&settings) != *value && !is_rounded(*value) {

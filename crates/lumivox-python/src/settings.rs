@@ -75,9 +75,11 @@ pub fn of(scene: &Scene, size: UVec2, given: &Given) -> Result<RenderSettings, F
     take(&mut settings)?;
     for (parameter, value) in &values {
         let name = parameter.name;
-        if matches!(parameter.needs, Some(("look", needed)) if needed != look) {
+        if let Some(("look", needed)) = parameter.needs
+            && needed != look
+        {
             return Err(Fault::input(format!(
-                "{name} is a setting of the look vxct; add preset=\"vxct\""
+                "{name} is a setting of the look {needed}; add preset=\"{needed}\""
             )));
         }
         let now = parameter.get(&settings);

@@ -1,8 +1,8 @@
 //! Options for settings, made from the table of settings (`lumivox_explorer::parameters`).
 //!
 //! Each setting is an option of its name, with `-` for `_`. A switch that is off by default needs
-//! no value; any other option needs one. Shorthands take none. The settings of VXCT's look are
-//! given as `--vxct NAME=VALUE`.
+//! no value; any other option needs one. Shorthands take none. The settings of a look are given as
+//! `--LOOK NAME=VALUE`.
 
 use std::fmt::Write as _;
 use std::marker::PhantomData;
@@ -10,7 +10,7 @@ use std::marker::PhantomData;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
-use lumivox_explorer::parameters::{Group, Kind, PARAMETERS, PRESETS, Parameter, Value};
+use lumivox_explorer::parameters::{GROUPS, Group, Kind, PARAMETERS, PRESETS, Parameter, Value};
 use lumivox_render::PresetChoice;
 
 use super::Refused;
@@ -20,8 +20,8 @@ pub type Given = (&'static Parameter, Value);
 
 /// Groups of settings, as one set of options.
 pub trait Groups {
-    /// The groups.
-    const GROUPS: &'static [Group];
+    /// Whether a group is among them.
+    fn has(group: Group) -> bool;
 }
 
 /// The groups of a picture: its frames, exposure, view and overlay.
@@ -38,23 +38,36 @@ pub struct LightGroups;
 pub struct ConeGroups;
 
 impl Groups for PictureGroups {
-    const GROUPS: &'static [Group] = &[Group::Picture, Group::View, Group::Overlay];
+    fn has(group: Group) -> bool {
+        matches!(group, Group::Picture | Group::View | Group::Overlay)
+    }
 }
 
 impl Groups for VolumeGroups {
-    const GROUPS: &'static [Group] = &[Group::Volume];
+    fn has(group: Group) -> bool {
+        group == Group::Volume
+    }
 }
 
 impl Groups for LightGroups {
-    const GROUPS: &'static [Group] = &[Group::Light];
+    fn has(group: Group) -> bool {
+        group == Group::Light
+    }
 }
 
 impl Groups for ConeGroups {
-    const GROUPS: &'static [Group] = &[Group::Cones, OF_VXCT];
+    fn has(group: Group) -> bool {
+        matches!(group, Group::Cones | Group::Look(_))
+    }
 }
 
-/// The group of the settings of VXCT's look.
-const OF_VXCT: Group = Group::Look("vxct");
+/// The looks among some groups.
+fn looks<G: Groups>() -> impl Iterator<Item = &'static str> {
+    GROUPS.iter().filter(|group| G::has(**group)).filter_map(|group| match group {
+        Group::Look(look) => Some(*look),
+        _ => None,
+    })
+}
 
 /// The options of some groups of settings.
 #[derive(Clone, Debug)]
@@ -64,7 +77,7 @@ pub struct SettingArgs<G> {
 }
 
 impl<G> SettingArgs<G> {
-    /// The settings given on the command line: in the order of the table, then those of `--vxct`.
+    /// The settings given on the command line: in the order of the table, then those of looks.
     pub fn given(&self) -> &[Given] {
         &self.given
     }
@@ -72,10 +85,8 @@ impl<G> SettingArgs<G> {
 
 impl<G: Groups> Args for SettingArgs<G> {
     fn augment_args(command: Command) -> Command {
-        let of_groups = PARAMETERS.iter().filter(|p| G::GROUPS.contains(&p.group));
-        let (of_look, own): (Vec<_>, Vec<_>) = of_groups.partition(|p| is_of_vxct(p));
-        let command = command.args(own.into_iter().flat_map(options));
-        if of_look.is_empty() { command } else { command.arg(vxct_option()) }
+        let of_groups = PARAMETERS.iter().filter(|p| G::has(p.group) && look_of(p).is_none());
+        command.args(of_groups.flat_map(options)).args(looks::<G>().map(look_option))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -86,10 +97,7 @@ impl<G: Groups> Args for SettingArgs<G> {
 impl<G: Groups> FromArgMatches for SettingArgs<G> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
         let mut given = Vec::new();
-        for parameter in PARAMETERS.iter().filter(|p| G::GROUPS.contains(&p.group)) {
-            if is_of_vxct(parameter) {
-                continue;
-            }
+        for parameter in PARAMETERS.iter().filter(|p| G::has(p.group) && look_of(p).is_none()) {
             if matches.value_source(parameter.name) == Some(ValueSource::CommandLine)
                 && let Some(value) = matches.get_one::<Value>(parameter.name)
             {
@@ -101,8 +109,8 @@ impl<G: Groups> FromArgMatches for SettingArgs<G> {
                 }
             }
         }
-        if G::GROUPS.contains(&OF_VXCT) {
-            given.extend(matches.get_many::<Given>("vxct").into_iter().flatten().copied());
+        for look in looks::<G>() {
+            given.extend(matches.get_many::<Given>(look).into_iter().flatten().copied());
         }
         Ok(Self { given, groups: PhantomData })
     }
@@ -113,9 +121,12 @@ impl<G: Groups> FromArgMatches for SettingArgs<G> {
     }
 }
 
-/// Whether a setting is given by `--vxct NAME=VALUE`.
-fn is_of_vxct(parameter: &Parameter) -> bool {
-    parameter.needs == Some(("look", "vxct"))
+/// The look that a setting belongs to; it is given by `--LOOK NAME=VALUE`.
+fn look_of(parameter: &Parameter) -> Option<&'static str> {
+    match parameter.needs {
+        Some(("look", look)) => Some(look),
+        _ => None,
+    }
 }
 
 /// The option of a setting, with its shorthands.
@@ -164,24 +175,26 @@ fn is_on_by_default(parameter: &Parameter) -> bool {
     parameter.default(PresetChoice::default()).is_on()
 }
 
-/// The option for all settings of VXCT's look.
-fn vxct_option() -> Arg {
-    const SHORT: &str = "A setting of VXCT's look, by its name in the console; may be repeated [default: \
-                         depends on the resolution]";
-    const MORE: &str = "Such as `shadow_str=2` or `side_cones=on`; `lumivox run -c 'parameters vxct'` lists them with \
-                        their ranges. Only with --preset vxct.";
-    Arg::new("vxct")
-        .long("vxct")
+/// The option for all settings of a look.
+fn look_option(look: &'static str) -> Arg {
+    let short = format!(
+        "A setting of the look {look}, by its name in the console; may be repeated [default: depends on the resolution]"
+    );
+    let more = format!(
+        "`lumivox run -c 'parameters {look}'` lists them with their ranges. Only with --preset {look}."
+    );
+    Arg::new(look)
+        .long(look)
         .help_heading("Cones")
         .value_name("NAME=VALUE")
         .action(ArgAction::Append)
-        .value_parser(vxct_setting)
-        .help(SHORT)
-        .long_help(format!("{SHORT}\n\n{MORE}"))
+        .value_parser(move |text: &str| look_setting(look, text))
+        .long_help(format!("{short}\n\n{more}"))
+        .help(short)
 }
 
-fn vxct_setting(text: &str) -> Result<Given, String> {
-    let of_look = || PARAMETERS.iter().filter(|parameter| is_of_vxct(parameter));
+fn look_setting(look: &str, text: &str) -> Result<Given, String> {
+    let of_look = || PARAMETERS.iter().filter(|parameter| look_of(parameter) == Some(look));
     let (name, value) = text.split_once('=').unwrap_or((text, ""));
     let Some(parameter) = of_look().find(|parameter| parameter.names().any(|known| known == name))
     else {
@@ -329,10 +342,9 @@ mod tests {
     fn every_setting_can_be_given() {
         for parameter in PARAMETERS.iter() {
             let value = parameter.default(PresetChoice::default());
-            let line = if is_of_vxct(parameter) {
-                format!("--vxct={}={value}", parameter.name)
-            } else {
-                format!("--{}={value}", parameter.name.replace('_', "-"))
+            let line = match look_of(parameter) {
+                Some(look) => format!("--{look}={}={value}", parameter.name),
+                None => format!("--{}={value}", parameter.name.replace('_', "-")),
             };
             assert_eq!(given(&line), [(parameter.name, value.to_string())], "{line}");
         }

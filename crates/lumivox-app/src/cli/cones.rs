@@ -12,10 +12,8 @@ use crate::args::settings::{ConeGroups, SettingArgs};
 pub struct ConeArgs {
     /// Preset of quality against cost [default: balanced]
     ///
-    /// All presets but report and vxct obey the same physics; they differ in noise, sharpness and
-    /// cost. The options below change single values of the preset. vxct has VXCT's own cones for
-    /// the resolution (docs/looks.md); of the options below it only uses those of the voxels'
-    /// bounces.
+    /// All presets but those of other works (docs/looks.md) obey the same physics; they differ in
+    /// noise, sharpness and cost. The options below change single values of the preset.
     #[arg(long, value_name = "NAME", value_parser = choices::preset_or_look())]
     pub preset: Option<PresetChoice>,
 
