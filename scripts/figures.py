@@ -21,12 +21,12 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-DOCUMENTS = ("*.md", "docs/*.md", "crates/*/README.md", "integrations/*/README.md")
+DOCUMENTS = ("*.md", "docs/*.md", "crates/*/README.md", "looks/*/README.md", "integrations/*/README.md")
 # The sources that a page measures: light and the scenes, without tests.
 LIGHT = ("crates/lumivox/src", "crates/lumivox-render/src", "crates/lumivox-scene/src/builtin", ":(exclude,glob)**/tests.rs")
 PAGES = {"bench": LIGHT, "quality": (*LIGHT, "crates/lumivox-scene/src/rooms"), "motion": LIGHT, "three": (*LIGHT, "crates/lumivox-three"), "gallery": LIGHT}
 # The sources of the program, without what the pages' commands write there.
-SOURCES = ("crates", "Cargo.lock", ":(exclude)*/published.json", ":(exclude)*/gallery.html")
+SOURCES = ("crates", "lab", "looks", "Cargo.lock", ":(exclude)*/published.json", ":(exclude)*/gallery.html")
 
 STAMP = re.compile(r"^Made of commit ([0-9a-f]{7,40})( with local changes)? on \d{4}-\d\d-\d\d\.$", re.M)
 COPY = re.compile(r"(<!-- figure ([\w-]+) -->)([^<]*)(<!-- end -->)")

@@ -84,5 +84,5 @@ pub enum Command {
 }
 
 #[cfg(test)]
-#[path = "../../../lumivox-app/src/cli/rules.rs"]
+#[path = "../../../../crates/lumivox-app/src/cli/rules.rs"]
 mod rules;

@@ -7,7 +7,7 @@
 )]
 
 #[allow(dead_code, reason = "the tests of lumivox-app use the rest")]
-#[path = "../../../lumivox-app/tests/it/common/mod.rs"]
+#[path = "../../../../crates/lumivox-app/tests/it/common/mod.rs"]
 mod common;
 mod motion;
 mod quality;

@@ -3,7 +3,7 @@
 //! Alone in a program of its own: the count is of the whole process.
 
 #[allow(dead_code, unused_imports)] // The renderer's own tests use the rest.
-#[path = "../../lumivox-render/tests/it/common/mod.rs"]
+#[path = "../../../crates/lumivox-render/tests/it/common/mod.rs"]
 mod common;
 
 use std::sync::Arc;

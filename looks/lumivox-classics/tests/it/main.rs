@@ -4,7 +4,7 @@ mod locks;
 mod photons;
 mod report;
 #[allow(dead_code)] // Lumivox's own tests use the rest, here and below.
-#[path = "../../../lumivox/src/testing/mod.rs"]
+#[path = "../../../../crates/lumivox/src/testing/mod.rs"]
 mod testing;
 #[allow(dead_code)]
 mod voxelize;
