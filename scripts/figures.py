@@ -21,12 +21,20 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-DOCUMENTS = ("*.md", "docs/*.md", "crates/*/README.md", "looks/*/README.md", "integrations/*/README.md")
+DOCUMENTS = ("*.md", "docs/*.md", "docs/generated/*.md", "crates/*/README.md", "looks/*/README.md", "integrations/*/README.md")
 # The sources that a page measures: light and the scenes, without tests.
 LIGHT = ("crates/lumivox/src", "crates/lumivox-render/src", "crates/lumivox-scene/src/builtin", ":(exclude,glob)**/tests.rs")
 PAGES = {"bench": LIGHT, "quality": (*LIGHT, "crates/lumivox-scene/src/rooms"), "motion": LIGHT, "three": (*LIGHT, "crates/lumivox-three"), "gallery": LIGHT}
 # The sources of the program, without what the pages' commands write there.
 SOURCES = ("crates", "lab", "looks", "Cargo.lock", ":(exclude)*/published.json", ":(exclude)*/gallery.html")
+
+# The pages without text written by hand; the others are beside them in docs/.
+GENERATED = ("bench", "gallery", "motion", "quality")
+
+
+def path_of(page):
+    return f"docs/generated/{page}.md" if page in GENERATED else f"docs/{page}.md"
+
 
 STAMP = re.compile(r"^Made of commit ([0-9a-f]{7,40})( with local changes)? on \d{4}-\d\d-\d\d\.$", re.M)
 COPY = re.compile(r"(<!-- figure ([\w-]+) -->)([^<]*)(<!-- end -->)")
@@ -41,7 +49,7 @@ def rows(read, page, heading):
     """The rows below a heading of a page, each as its cells by the heading of their columns. Where two columns
     have the same heading, the first counts."""
     found, columns, is_below = [], None, False
-    for line in read(f"docs/{page}.md").splitlines():
+    for line in read(path_of(page)).splitlines():
         if line.startswith("#"):
             is_below = line.lstrip("# ") == heading
         if not line.startswith("|"):
@@ -62,7 +70,7 @@ def cell(page, heading, first, column, digits=None):
             if first in row.values():
                 number, *unit = row[column].split()
                 return " ".join([number if digits is None else f"{float(number):.{digits}f}", *unit])
-        raise LookupError(f"docs/{page}.md has no row {first} below '{heading}'")
+        raise LookupError(f"{path_of(page)} has no row {first} below '{heading}'")
 
     return of
 
@@ -132,8 +140,8 @@ def documents():
 
 def problems(names, read=read_file):
     """Every copied number that is not that of its page, and every page without a commit."""
-    found = [f"docs/{page}.md does not say of which commit it is" for page in PAGES
-             if f"docs/{page}.md" in names and not STAMP.search(read(f"docs/{page}.md"))]
+    found = [f"{path_of(page)} does not say of which commit it is" for page in PAGES
+             if path_of(page) in names and not STAMP.search(read(path_of(page)))]
     for name in names:
         text = read(name)
         copies = list(COPY.finditer(text))
@@ -181,7 +189,7 @@ def commit():
 
 def why_old(page):
     """Why a page is older than what it measures; `None` if it is not."""
-    made = STAMP.search(read_file(f"docs/{page}.md"))
+    made = STAMP.search(read_file(path_of(page)))
     try:
         if made and not made[2]:
             count = int(git("rev-list", "--count", f"{made[1]}..HEAD", "--", *PAGES[page]))
@@ -190,12 +198,12 @@ def why_old(page):
             reason = "was made with local changes"
     except subprocess.CalledProcessError:
         reason = f"is of commit {made[1]}, which is not in this history"
-    return reason and f"docs/{page}.md {reason}: scripts/figures.sh {page}"
+    return reason and f"{path_of(page)} {reason}: scripts/figures.sh {page}"
 
 
 def old_in_words():
     """The sentence of README about old pages; empty if there are none."""
-    names = [f"[{page}](docs/{page}.md)" for page in PAGES if why_old(page)]
+    names = [f"[{page}]({path_of(page)})" for page in PAGES if why_old(page)]
     return f"These pages are older than the light of this version: {', '.join(names)}." if names else ""
 
 
@@ -210,7 +218,7 @@ def take(page, file):
     now, changes = commit()
     made = f"Made of commit {now}{' with local changes' if changes else ''} on {datetime.date.today()}."
     new = stamped(Path(file).read_text(encoding="utf-8"), made)
-    target = ROOT / "docs" / f"{page}.md"
+    target = ROOT / path_of(page)
     before = read_file(target)
     target.write_text(TABLE.sub(lambda _: new + "\n", before) if TABLE.search(before) else new, encoding="utf-8")
 
@@ -226,7 +234,7 @@ def self_test():
     copy = "A frame:\n<!-- figure cornell-frame-ms -->615<!-- end --> ms, <!-- figure scenes -->2<!-- end --> scenes\n"
 
     def found(text, speed=speed):
-        return " ".join(problems(["a.md"], {"a.md": text, "docs/quality.md": quality, "docs/bench.md": speed}.__getitem__))
+        return " ".join(problems(["a.md"], {"a.md": text, "docs/generated/quality.md": quality, "docs/generated/bench.md": speed}.__getitem__))
 
     assert found(copy) == "", found(copy)
     assert rows(lambda _: quality, "quality", "Goals")[-1] == {"scene": "b", "preset": "high", "all bounces: bias": "+1.0", "goal": "1"}
@@ -236,7 +244,7 @@ def self_test():
         (found(copy, speed.replace("cornell", "glow")), ["a.md:2", "its page has changed"]),
         (found(copy.replace("figure corn", "figure korn")), ["a.md:2", "kornell-frame-ms"]),
         (found(copy.replace("<!-- end -->", "")), ["a.md", "no <!-- end -->"]),
-        (" ".join(problems(["docs/quality.md"], lambda _: STAMP.sub("", quality))), ["of which commit"]),
+        (" ".join(problems(["docs/generated/quality.md"], lambda _: STAMP.sub("", quality))), ["of which commit"]),
     ]:
         assert all(word in told for word in words), (told, words)
     made = "Made of commit fedcba9 with local changes on 2026-11-27."

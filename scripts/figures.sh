@@ -63,8 +63,8 @@ make_bench() {
 
 # take_pictures PAGE: replaces the page and its pictures by the new ones.
 take_pictures() {
-    rm -rf "docs/images/$1"
-    cp -R "$work/$1/docs/images/$1" docs/images/
+    rm -rf "docs/generated/images/$1"
+    cp -R "$work/$1/docs/images/$1" docs/generated/images/
     figures --take "$1" "$work/$1/docs/$1.md"
 }
 
@@ -92,9 +92,9 @@ make_gallery() {
     while read -r name; do
         [[ -e $work/gallery/$name.webp ]] || scripts/gallery.sh --program "$program" --only "$name" --out "$work/gallery" </dev/null
     done < <(scripts/gallery.sh --list)
-    rm -rf docs/images/gallery
-    cp -R "$work/gallery" docs/images/
-    figures --take gallery docs/gallery.md
+    rm -rf docs/generated/images/gallery
+    cp -R "$work/gallery" docs/generated/images/
+    figures --take gallery docs/generated/gallery.md
     scripts/gallery.sh --texts
 }
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 #
 # scripts/gallery.sh: makes the pictures and texts of the gallery. The table below is the only
-# source of a picture's name, title, caption and command; the README, docs/gallery.md and the page's
+# source of a picture's name, title, caption and command; the README, docs/generated/gallery.md and the page's
 # gallery.html are written from it.
 
 set -euo pipefail
@@ -15,13 +15,13 @@ usage() {
 Usage: scripts/gallery.sh [--program FILE] [--only NAME] [--out FOLDER]
        scripts/gallery.sh --texts | --check | --list
 
-Makes the pictures of the gallery by the commands that stand below them, and writes docs/gallery.md, the page's
+Makes the pictures of the gallery by the commands that stand below them, and writes docs/generated/gallery.md, the page's
 gallery.html and the pictures' place in README.md. Pictures are replaced when all of them are there, or not at all.
 scripts/figures.sh calls it for one picture after the other, so that work can go on where it stopped.
 
   --program FILE  the program [default: ./lumivox, which builds it first]
   --only NAME     make one picture again, and keep the others
-  --out FOLDER    put the pictures there, and write no texts [default: docs/images/gallery]
+  --out FOLDER    put the pictures there, and write no texts [default: docs/generated/images/gallery]
   --texts         write only the texts
   --check         whether the texts follow the table and all pictures are there; makes nothing
   --list          print the names
@@ -121,7 +121,7 @@ while (($# > 0)); do
     shift
 done
 
-images=$root/docs/images/gallery
+images=$root/docs/generated/images/gallery
 page=crates/lumivox-web/page/gallery.html
 
 # --- the texts ----------------------------------------------------------------------------------
@@ -138,7 +138,7 @@ size_of() {
 
 print_document() {
     local i
-    printf '# Gallery\n\n%s\n\n' "$(grep -m1 '^Made of commit ' "$root/docs/gallery.md")"
+    printf '# Gallery\n\n%s\n\n' "$(grep -m1 '^Made of commit ' "$root/docs/generated/gallery.md")"
     cat <<'TEXT'
 Each picture is made by the command below it, from scenes that the program has built in. `scripts/figures.sh gallery` runs all
 of them, packs the pictures as WebP, and writes this page.
@@ -197,7 +197,7 @@ print_readme() {
         if [[ -n ${paces[i]} ]]; then width=49%; else stills=$((stills + 1)); fi
         # Each row is one line of the file.
         if ((i == 1 || stills == 4)); then end=$'\n'; fi
-        printf -v rows '%s<a href="docs/gallery.md#%s"><img src="docs/images/gallery/%s.webp" width="%s" alt="%s"></a>%s' \
+        printf -v rows '%s<a href="docs/generated/gallery.md#%s"><img src="docs/generated/images/gallery/%s.webp" width="%s" alt="%s"></a>%s' \
             "$rows" "$(heading_of "${titles[i]}")" "${names[i]}" "$width" "${titles[i]}" "$end"
     done
     awk -v rows="${rows% }" '
@@ -208,7 +208,7 @@ print_readme() {
 
 # each_text DO: calls DO FILE PRINTER for each text.
 each_text() {
-    "$1" docs/gallery.md print_document
+    "$1" docs/generated/gallery.md print_document
     "$1" "$page" print_page
     "$1" README.md print_readme
 }
@@ -227,7 +227,7 @@ check_all() {
     each_text check_text
     if ((${#stale[@]} > 0)); then reasons+=("These do not follow the table in scripts/gallery.sh: ${stale[*]}. To write them: scripts/gallery.sh --texts"); fi
     for name in "${names[@]}"; do
-        [[ -s $images/$name.webp ]] || reasons+=("docs/images/gallery/$name.webp is missing. To make it: scripts/gallery.sh --only $name")
+        [[ -s $images/$name.webp ]] || reasons+=("docs/generated/images/gallery/$name.webp is missing. To make it: scripts/gallery.sh --only $name")
     done
     if ((${#reasons[@]} > 0)); then die "${reasons[@]}"; fi
 }

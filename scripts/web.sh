@@ -71,7 +71,7 @@ build_web() {
     mkdir -p "$out"
     staging=$(mktemp -d "$out.XXXXXX")
     cp -R "$root/crates/lumivox-web/page/." "$staging/"
-    cp -R "$root/docs/images/gallery" "$staging/"
+    cp -R "$root/docs/generated/images/gallery" "$staging/"
     make_module lumivox_web lumivox "$staging/lumivox"
     make_module lumivox_three lumivox_three "$staging/lumivox/three"
     cp -R "$root/crates/lumivox-web/npm/." "$staging/lumivox/"

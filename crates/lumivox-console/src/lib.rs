@@ -19,7 +19,7 @@
 //! | `arguments.rs` | reading arguments by kind |
 //! | `queue.rs` | scripts and queued lines |
 //! | `names.rs`, `complete.rs` | the names in a scene, and completion with them |
-//! | `help.rs`, `page.rs` | the help, and the generated page `docs/console.md` |
+//! | `help.rs`, `page.rs` | the help, and the generated page `docs/generated/console.md` |
 //! | `opening/`, `outside.rs` | requests to open a scene, and access to files and the network |
 //! | `values/` | values shared with command-line options |
 //! | `report.rs`, `comparison.rs`, `shown.rs` | output: tables, comparisons, printable text |

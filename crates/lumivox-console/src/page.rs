@@ -1,4 +1,4 @@
-//! The page `docs/console.md`, made from the tables.
+//! The page `docs/generated/console.md`, made from the tables.
 
 use lumivox_explorer::parameters::{GROUPS, OTHER_CONSOLES, OtherConsole, PARAMETERS, Parameter};
 

@@ -2,9 +2,9 @@
 //!
 //! | module | is |
 //! | --- | --- |
-//! | `quality` | docs/quality.md: errors of built-in scenes, of rooms at random, of materials |
+//! | `quality` | docs/generated/quality.md: errors of built-in scenes, of rooms at random, of materials |
 //! | `rooms` | errors of light in rooms at random |
-//! | `motion` | docs/motion.md: errors, flicker, delay and cost while something moves |
+//! | `motion` | docs/generated/motion.md: errors, flicker, delay and cost while something moves |
 //! | `volumes` | memory and times of dense and octree volumes |
 //! | `voxelizers` | all voxelizers against the exact one |
 //! | `dynamic` | the gain of keeping the static surface while other things move |

@@ -12,7 +12,7 @@ Examples:
   lumivox run -c 'load builtin:atrium; sky 20,100' -c 'screenshot atrium.png'
   lumivox run                  (on a terminal: a prompt with history and completion)
   generate | lumivox run -
-docs/console.md lists all commands, and so does `lumivox run -c help`.";
+docs/generated/console.md lists all commands, and so does `lumivox run -c help`.";
 
 /// A script, and its initial state.
 #[derive(Args, Debug)]
@@ -41,7 +41,7 @@ pub struct RunArgs {
 /// The arguments of `commands`.
 #[derive(Args, Debug)]
 pub struct CommandsArgs {
-    /// Print the page of the docs, docs/console.md [default: a line on each command]
+    /// Print the page of the docs, docs/generated/console.md [default: a line on each command]
     #[arg(long)]
     pub markdown: bool,
 }

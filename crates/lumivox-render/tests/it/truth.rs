@@ -1,4 +1,4 @@
-//! The renderer against the path tracer, small and fast: a guard for what docs/quality.md
+//! The renderer against the path tracer, small and fast: a guard for what docs/generated/quality.md
 //! publishes.
 //!
 //! 48 x 36 pixels, 64 voxels, the default preset, 16 frames; 128 samples a pixel for the reference,

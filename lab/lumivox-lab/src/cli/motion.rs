@@ -16,7 +16,7 @@ Examples:
   lumivox-lab motion builtin:cornell --sequence orbit,switch --truth target/truth
   lumivox-lab motion builtin:two-rooms --preset fast -o motion --json figures.json
   lumivox-lab motion robot.glb
-  lumivox-lab motion --doc docs --cache target/motion
+  lumivox-lab motion --doc docs/generated --cache target/motion
 ";
 
 /// The arguments of `motion`.

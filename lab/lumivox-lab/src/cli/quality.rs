@@ -11,7 +11,7 @@ use lumivox_render::PresetChoice;
 /// Examples for the help.
 pub const EXAMPLES: &str = "\
 Examples:
-  lumivox-lab quality docs --cache target/quality
+  lumivox-lab quality docs/generated --cache target/quality
   lumivox-lab quality report cornell atrium --presets balanced,high --resolutions 128
 ";
 

@@ -14,7 +14,7 @@
 //! | `measure.rs` | one sequence from its poses to its figures |
 //! | `report.rs` | the figures, as JSON and for people |
 //! | `pictures.rs` | strips, animations and charts |
-//! | `page.rs` | docs/motion.md |
+//! | `page.rs` | docs/generated/motion.md |
 //! | `published.rs` | the page's table of figures of other renderers |
 
 mod drive;

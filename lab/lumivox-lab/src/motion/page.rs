@@ -1,4 +1,4 @@
-//! The page about motion, docs/motion.md.
+//! The page about motion, docs/generated/motion.md.
 
 use std::fmt::Write as _;
 
@@ -23,7 +23,7 @@ pub fn page(args: &MotionArgs, machine: &str, resolution: u32, cases: &[Case]) -
     let samples = args.samples;
     let mut page = format!(
         "# How far from the truth in motion\n\n\
-         Lumivox measures itself while something moves, too. This page is the output of one command, `lumivox-lab motion --doc docs`; nothing in it is written by hand. \
+         Lumivox measures itself while something moves, too. This page is the output of one command, `lumivox-lab motion --doc docs/generated`; nothing in it is written by hand. \
          A sequence is a row of steps, each with a pose of camera, lights and things that follows from its number. \
          **One frame is rendered for each step**, through the path that the window takes, and compared with what the path tracer answers for the same pose: \
          nothing of a later step is known, and nothing is averaged that would not be on screen. \

@@ -100,7 +100,7 @@ impl Page<'_> {
         let args = self.args;
         format!(
             "# How far from the truth\n\n\
-             Lumivox measures itself. This page is the output of one command, `lumivox-lab quality docs`; nothing in it \
+             Lumivox measures itself. This page is the output of one command, `lumivox-lab quality docs/generated`; nothing in it \
              is written by hand. Each scene is rendered with the defaults of a preset, path-traced \
              (`lumivox reference`), and compared (`lumivox compare`): {} x {} pixels, at least {} samples a pixel \
              for the references, {} frames, on {machine}. What is held against goals along the grid is the mean over \
@@ -111,8 +111,8 @@ impl Page<'_> {
              **RMSE** the root of the mean squared difference, both in per cent of the reference's mean; the \
              reference's own **noise**, told beside them, is taken out of the RMSE. **p95** is the relative error \
              that 95 % of the pixels stay below, noise included, and **FLIP** what a viewer sees who flips between \
-             the two pictures. [How light travels](light.md) explains what is measured, \
-             [notebook](notebook.md) what was tried.\n\n",
+             the two pictures. [How light travels](../light.md) explains what is measured, \
+             [notebook](../notebook.md) what was tried.\n\n",
             args.size.x, args.size.y, args.samples, args.frames, args.offsets
         )
     }

@@ -19,14 +19,14 @@ const VXCT: &str = "objs objsW sfMode sf overlayW pos1 pos2 exit quit q load set
 fn the_page_is_what_the_program_prints() {
     let folder = folder();
     let printed = lumivox(folder.path(), "commands --markdown").expect_ok().stdout;
-    let page = project("docs").join("console.md");
+    let page = project("docs/generated").join("console.md");
     if std::env::var_os("LUMIVOX_BLESS").is_some() {
         fs::write(&page, &printed).unwrap();
     }
     let committed = fs::read_to_string(&page).unwrap_or_default();
     assert!(
         committed == printed,
-        "docs/console.md is not what `lumivox commands --markdown` prints; LUMIVOX_BLESS=1 writes it"
+        "docs/generated/console.md is not what `lumivox commands --markdown` prints; LUMIVOX_BLESS=1 writes it"
     );
 }
 
