@@ -23,7 +23,7 @@ and exits with 1 if one failed. It works in the current folder's workspace: for 
   -h, --help      show this text
 
 Example:
-  scripts/repeat_test.sh --times 200 -p lumivox-classics locks::moves::moves_within_frames_leave_the_bits_of_ranks
+  scripts/repeat_test.sh --times 200 -p lumivox-classics locks::moves::moves_within_frames_give_equal_bits_with_both_builders
 TEXT
 }
 

@@ -227,7 +227,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn errors_have_codes_through_any_context() {
+    fn exit_codes_survive_added_error_context() {
         let codes = |error: anyhow::Error| of_error(&error.context("in some command"));
         let known = Vec::new();
         let unknown = SceneError::UnknownBuiltin { name: String::new(), known };
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn messages_keep_to_a_line() {
+    fn messages_are_joined_to_one_line() {
         assert_eq!(
             one_line("Validation error\n\n  in this:\n\tthat"),
             "Validation error in this: that"

@@ -100,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_at_a_time_and_nothing_is_left() {
+    fn a_lock_is_exclusive_and_removes_its_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("index.json");
         let first = Lock::take(&path, "renders this sequence").unwrap();
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_of_a_dead_process_is_no_lock() {
+    fn a_stale_lock_file_does_not_block() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("index.json");
         std::fs::write(folder.path().join(".index.json.lock"), "").unwrap();
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn many_threads_have_it_one_after_the_other() {
+    fn only_one_thread_holds_the_lock_at_a_time() {
         use std::sync::atomic::{AtomicU32, Ordering};
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sums");

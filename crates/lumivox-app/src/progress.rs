@@ -205,7 +205,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_words_say_the_stage_the_steps_and_the_time() {
+    fn progress_text_shows_stage_steps_and_time() {
         let progress = ProgressDisplay::silent("loading");
         let watch = progress.watch();
         assert_eq!((watch.words(), watch.share()), ("loading, 00:00:00".to_owned(), None));
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn it_ends_at_once() {
+    fn dropping_the_progress_display_does_not_wait() {
         let start = std::time::Instant::now();
         let progress = ProgressDisplay::start(&Host::of_process(), "testing");
         progress.set("testing", 1, 2);

@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn commands_of_the_window_are_told_from_what_only_looks_like_them() {
+    fn window_commands_are_distinguished_from_similar_words() {
         assert_eq!(LineInfo::of("select 'a b'").window_command, Some("select"));
         assert_eq!(LineInfo::of("selected").window_command, None);
         let is_in_both = |command: &Command| Command::find(command.name).is_some();
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_urgent_is_told_from_what_only_looks_like_it() {
+    fn only_bare_quit_and_cancel_are_urgent() {
         let urgency = |text| LineInfo::of(text).urgency;
         assert_eq!(urgency(" quit "), Some(Urgency::Quit));
         assert_eq!(urgency("exit"), Some(Urgency::Quit));
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn the_table_tells_what_commands_change() {
+    fn line_info_says_what_a_command_changes() {
         assert!(LineInfo::of("pos1").moves_camera && !LineInfo::of("store 1").moves_camera);
         let edits = |text| LineInfo::of(text).edits;
         assert_eq!(edits("setmat a kd 1 1 1"), Edits::Look);

@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_are_those_that_are_known() {
+    fn the_table_has_only_rows_with_figures() {
         let full = ErrorFigures { noise_percent: Some(0.5), ..figures() };
         let comparison = Comparison {
             full: Some(full),
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn json_names_what_was_compared() {
+    fn json_omits_comparisons_that_were_not_made() {
         let comparison = Comparison {
             scene: Some("cornell".to_owned()),
             size: [4, 3],

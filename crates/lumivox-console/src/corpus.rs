@@ -6,7 +6,7 @@
 mod command;
 
 #[test]
-fn the_corpus_of_lines_passes() {
+fn no_line_of_the_fuzz_corpus_panics() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/corpus/command");
     let files = std::fs::read_dir(folder).unwrap();
     let count =

@@ -392,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_have_units() {
+    fn byte_sizes_and_counts_are_formatted_for_reading() {
         assert_eq!(bytes(1023), "1023 B");
         assert_eq!(bytes(1536), "1.5 KiB");
         assert_eq!(bytes(115 << 20), "115.0 MiB");

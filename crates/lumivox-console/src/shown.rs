@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_terminals_obey_is_escaped_and_nothing_else() {
+    fn only_control_and_direction_characters_are_escaped() {
         let plain = "a \"ünïcödé\" name, 日本語 ✓\n\tand a line";
         assert!(matches!(text(plain), Cow::Borrowed(same) if same == plain));
         assert_eq!(text("\x1b[31mred\x07\r\n"), "\\x1b[31mred\\x07\\r\n");
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn json_stays_exact() {
+    fn escaped_json_decodes_to_the_same_text() {
         let name = "a\x1b[2J\u{9b}1m\x7f\u{202e}\n\"ü\"\u{2028}";
         let pretty = serde_json::to_string_pretty(&serde_json::json!({ "name": name })).unwrap();
         let shown = json(&pretty);

@@ -15,7 +15,7 @@ fn names_are_unique() {
 }
 
 #[test]
-fn the_table_is_complete() {
+fn every_command_has_summary_usage_and_example() {
     for command in COMMANDS.iter() {
         let name = command.name;
         assert!(command.summary.len() > 10 && !command.summary.ends_with('.'), "{name}");
@@ -30,7 +30,7 @@ fn the_table_is_complete() {
 
 /// A command that has a setting's name sets it, too.
 #[test]
-fn commands_leave_no_setting_out_of_reach() {
+fn no_command_hides_a_setting_of_the_same_name() {
     let takes_a_value = |command: &Command| command.counts() == (0..=1);
     let shadowed: Vec<&str> = lumivox_explorer::parameters::PARAMETERS
         .iter()
@@ -64,7 +64,7 @@ fn lines_are_split_into_commands_and_words() {
 }
 
 #[test]
-fn quoted_words_are_read_as_they_were() {
+fn quoting_round_trips_words() {
     for word in [
         "a",
         "",
@@ -95,7 +95,7 @@ fn quoted_words_are_read_as_they_were() {
 }
 
 #[test]
-fn a_words_range_is_its_text_in_the_line() {
+fn a_words_range_covers_its_source_text() {
     let line = "a 'b c';d";
     let ranges: Vec<&str> =
         commands(line).into_iter().flatten().map(|word| &line[word.range]).collect();
@@ -117,7 +117,7 @@ fn numbers_are_read_within_their_range() {
 }
 
 #[test]
-fn angles_go_there_and_back_to_the_bit() {
+fn angles_round_trip_through_degrees_bit_exactly() {
     let mut bits = 1_u32;
     for _ in 0..2000 {
         bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -149,7 +149,7 @@ fn completed(line: &str) -> (usize, Vec<String>) {
 }
 
 #[test]
-fn words_are_completed_by_what_stands_there() {
+fn completion_offers_words_valid_at_the_cursor() {
     let strings = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
     assert_eq!(completed("transl"), (0, strings(&["translate"])));
     assert_eq!(completed("echo a; transl"), (8, strings(&["translate"])));
@@ -177,7 +177,7 @@ fn words_are_completed_by_what_stands_there() {
 }
 
 #[test]
-fn scripts_know_their_lines() {
+fn script_commands_carry_file_and_line() {
     let lines = script("a\n# b\n\nc; d # e\n", "file").unwrap();
     let seen: Vec<_> = lines.iter().map(|line| (line.text.as_str(), line.place.as_str())).collect();
     assert_eq!(seen, [("a", "file:1"), ("c", "file:4"), ("d", "file:4")]);
@@ -186,7 +186,7 @@ fn scripts_know_their_lines() {
 }
 
 #[test]
-fn what_a_script_brings_comes_first_and_goes_with_its_error() {
+fn script_lines_run_first_and_are_dropped_on_error() {
     let mut queue = Queue::default();
     queue.add("run it", "");
     queue.add("last", "");
@@ -205,7 +205,7 @@ fn what_a_script_brings_comes_first_and_goes_with_its_error() {
 }
 
 #[test]
-fn a_plain_opening_is_a_line_without_options() {
+fn a_scene_with_defaults_is_written_without_options() {
     let opening = SceneRequest::plain(SceneSource::named("builtin:cornell"), 1.5);
     assert_eq!(commands::files::line(&opening, Some(1.5)), "builtin:cornell");
     assert_eq!(commands::files::line(&opening, Some(2.0)), "builtin:cornell --aspect 1.5");

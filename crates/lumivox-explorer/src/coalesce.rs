@@ -82,18 +82,18 @@ mod tests {
     }
 
     #[test]
-    fn the_last_change_of_a_target_counts() {
+    fn only_the_last_change_per_target_is_kept() {
         let changes = [("size", 1), ("split", 2), ("size", 3), ("size", 4)];
         assert_eq!(all(queue(&changes).0), [2, 4]);
     }
 
     #[test]
-    fn nothing_moves_past_what_does_more() {
+    fn changes_are_not_merged_across_other_changes() {
         assert_eq!(all(queue(&[("size", 1), ("", 2), ("size", 3), ("", 4)]).0), [1, 2, 3, 4]);
     }
 
     #[test]
-    fn what_is_superseded_is_known_by_its_ticket() {
+    fn tickets_reveal_superseded_changes() {
         let (mut queue, tickets) = queue(&[("size", 1), ("split", 2), ("size", 3)]);
         let taken: Vec<_> = tickets.into_iter().map(|ticket| queue.take(ticket)).collect();
         assert_eq!(taken, [None, Some(2), Some(3)]);

@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_times_are_kept() {
+    fn only_the_last_frame_times_are_kept() {
         let mut times = FrameTimes::default();
         let most = KEPT as u64;
         for millis in 0..most + 2 {

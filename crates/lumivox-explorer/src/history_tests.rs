@@ -16,7 +16,7 @@ fn undone(explorer: &mut Explorer) -> String {
 /// Each kind of change is taken back and done again, and the picture is that of before, to the bit.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn all_that_changes_is_taken_back_and_done_again() {
+fn undo_and_redo_cover_every_kind_of_change() {
     let mut explorer = explorer("cornell");
     let last = explorer.object_names().len() - 1;
     let name = explorer.object_names()[last].clone();
@@ -100,7 +100,7 @@ fn all_that_changes_is_taken_back_and_done_again() {
 
 /// A drag is one step, the next drag of the same thing another, and what comes in between ends it.
 #[test]
-fn a_gesture_is_one_step() {
+fn a_gesture_is_one_undo_step() {
     let mut explorer = explorer("cornell");
     let bright = |e: &mut Explorer, value: f32| {
         e.edit_material(0, |material| material.emissive = Vec3::splat(value));
@@ -129,7 +129,7 @@ fn a_gesture_is_one_step() {
 }
 
 #[test]
-fn what_is_refused_leaves_no_step() {
+fn refused_settings_leave_no_undo_step() {
     let mut explorer = explorer("cornell");
     picture(&mut explorer);
     explorer.set_hidden(0, true);
@@ -151,7 +151,7 @@ fn what_is_refused_leaves_no_step() {
 }
 
 #[test]
-fn the_history_is_bounded_and_ends_with_its_scene() {
+fn undo_history_is_bounded_and_cleared_with_the_scene() {
     let mut explorer = explorer("cornell");
     for number in 0..150_u8 {
         explorer.edit_material(0, |material| material.emissive = Vec3::splat(number.into()));
@@ -166,7 +166,7 @@ fn the_history_is_bounded_and_ends_with_its_scene() {
 
 /// The grid that widened for what has left it stays wide when that comes back.
 #[test]
-fn a_grid_that_widened_is_no_step() {
+fn undo_does_not_shrink_a_widened_grid() {
     let mut explorer = explorer("cornell");
     picture(&mut explorer);
     let last = explorer.object_names().len() - 1;

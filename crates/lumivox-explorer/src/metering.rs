@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn the_exposure_is_measured_now_and_then() {
+    fn exposure_is_metered_at_powers_of_two_frames() {
         let mut meter = ExposureMeter::default();
         let mut due = Vec::new();
         for frames in 1..=23 {
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn time_decides_while_everything_moves() {
+    fn exposure_is_metered_by_time_during_motion() {
         let mut meter = ExposureMeter::default();
         meter.take(&metering(None), 1);
         meter.start_again();

@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn slow_frames_make_the_motion_coarser_and_it_stays_so() {
+    fn slow_frames_lower_the_resolution_of_motion() {
         let mut pacing = Pacing::default();
         let slow = widths(&mut pacing, [100.0; 60]);
         // 25 ms of 33 at a quarter of the pixels; half of them would take 50.
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_do_not_alternate() {
+    fn resolution_does_not_oscillate_between_sizes() {
         // A slow frame now and then changes nothing.
         let mut pacing = Pacing::default();
         let spikes = widths(&mut pacing, (0..60).map(|i| if i % 3 == 0 { 500.0 } else { 20.0 }));
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn a_single_change_is_no_motion() {
+    fn a_single_change_does_not_count_as_motion() {
         let mut pacing = Pacing { step: 2, ..Pacing::default() };
         pacing.scene_changed();
         assert!(!pacing.is_moving() && !pacing.is_coarse());

@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn each_side_gets_a_frame_then_each_is_completed() {
+    fn each_side_gets_one_frame_before_either_is_completed() {
         let mut schedule = SplitSchedule::default();
         assert_eq!(sides(&mut schedule, 3), "lrllrr");
         assert_eq!(schedule.next(), None);
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn what_changes_all_the_time_alternates() {
+    fn sides_alternate_while_the_scene_keeps_changing() {
         let mut schedule = SplitSchedule::default();
         let sides: Vec<_> = (0..4)
             .map(|_| {

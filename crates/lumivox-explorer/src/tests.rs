@@ -10,7 +10,7 @@ use lumivox_scene::{LoadOptions, SightOptions, Staging};
 use super::*;
 
 #[test]
-fn placements_go_there_and_back() {
+fn placements_round_trip_through_matrices() {
     let placement = Placement {
         position: Vec3::new(1.0, -2.0, 3.0),
         rotation_deg: Vec3::new(30.0, -40.0, 100.0),
@@ -86,7 +86,7 @@ fn without_a_scene_there_is_no_picture() {
 }
 
 #[test]
-fn edits_show_as_in_a_scene_made_so() {
+fn edits_render_like_a_scene_built_that_way() {
     let mut explorer = explorer("cornell");
     let first = picture(&mut explorer);
     let last = explorer.object_names().len() - 1;
@@ -103,7 +103,7 @@ fn edits_show_as_in_a_scene_made_so() {
 }
 
 #[test]
-fn what_the_renderer_refuses_is_taken_back() {
+fn settings_refused_by_the_renderer_are_reverted() {
     let mut explorer = explorer("cornell");
     let first = picture(&mut explorer);
     let accepted = explorer.settings().clone();
@@ -128,7 +128,7 @@ fn what_the_renderer_refuses_is_taken_back() {
 /// to date.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn what_moves_in_realtime_is_followed_frame_by_frame() {
+fn realtime_motion_updates_voxels_within_each_frame() {
     let trace = lumivox::TraceSettings::preset(Preset::Realtime);
     let settings = RenderSettings { bounces: 8, frames: 1, trace, ..small() };
     let mut explorer = Explorer::new(gpu(), settings, PresetChoice::Cones(Preset::Realtime));
@@ -192,7 +192,7 @@ fn sliding_lamp() -> Scene {
 }
 
 #[test]
-fn a_lamp_that_moves_alone_is_followed() {
+fn a_moving_lamp_updates_the_light() {
     let mut explorer = Explorer::new(gpu(), small(), PresetChoice::Cones(Preset::default()));
     let sight = SightOptions::default();
     explorer.open(PreparedScene::new(sliding_lamp(), &sight, &mut |_| {}).unwrap());
@@ -204,7 +204,7 @@ fn a_lamp_that_moves_alone_is_followed() {
 }
 
 #[test]
-fn a_camera_of_the_scene_goes_where_the_animation_moves_it() {
+fn a_scene_camera_follows_its_animation() {
     let mut explorer = Explorer::new(gpu(), small(), PresetChoice::Cones(Preset::default()));
     let scene = sliding_lamp();
     let sight = SightOptions { camera: Some(scene.cameras[0].clone()), ..SightOptions::default() };
@@ -222,7 +222,7 @@ fn a_camera_of_the_scene_goes_where_the_animation_moves_it() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn voxels_follow_when_they_shall() {
+fn revoxelize_policies_decide_when_voxels_follow() {
     let mut explorer = explorer("cornell");
     picture(&mut explorer);
     explorer.revoxelize = Revoxelize::WhenAsked;
@@ -245,7 +245,7 @@ fn voxels_follow_when_they_shall() {
 
 /// The grid is wide enough for what leaves it, and does not shrink again.
 #[test]
-fn the_grid_widens() {
+fn the_grid_widens_for_objects_that_leave_it() {
     let mut explorer = explorer("cornell");
     picture(&mut explorer);
     let last = explorer.object_names().len() - 1;
@@ -265,7 +265,7 @@ fn the_grid_widens() {
 }
 
 #[test]
-fn objects_have_names_of_their_own() {
+fn object_names_are_made_unique() {
     let mut explorer = explorer("cornell");
     let names = explorer.object_names();
     let first = names[0].clone();
@@ -287,7 +287,7 @@ fn objects_have_names_of_their_own() {
 
 /// Naming, finding and hiding many objects of the same name does not count from the start for each.
 #[test]
-fn many_objects_of_a_name_are_told_apart() {
+fn thousands_of_equal_names_are_made_unique() {
     let mut explorer = explorer("cornell");
     let opened = explorer.opened.as_mut().unwrap();
     let like =
@@ -307,7 +307,7 @@ fn many_objects_of_a_name_are_told_apart() {
 }
 
 #[test]
-fn a_closed_scene_leaves_nothing_behind() {
+fn closing_a_scene_resets_its_state() {
     let mut explorer = explorer("cornell");
     explorer.store_position(0);
     picture(&mut explorer);
@@ -346,7 +346,7 @@ fn cameras_are_stored_under_names() {
 /// A dark scene is lit unless that is disabled, and a note says by what; a scene that shines is not
 /// changed.
 #[test]
-fn dark_scenes_are_lit_and_say_so() {
+fn dark_scenes_get_default_light_and_a_note() {
     let mut dark = lumivox_scene::builtin::scene("cornell").unwrap();
     let shining = PreparedScene::new(dark.clone(), &SightOptions::default(), &mut |_| {}).unwrap();
     assert_eq!(shining.scene(), &dark);
@@ -366,7 +366,7 @@ fn dark_scenes_are_lit_and_say_so() {
 }
 
 #[test]
-fn cameras_are_the_wanted_ones_or_found() {
+fn a_requested_camera_wins_over_scene_and_default_cameras() {
     let mut scene = lumivox_scene::builtin::scene("cornell").unwrap();
     let own = scene.cameras[0].clone();
     let wanted = Camera::look_at(Vec3::ONE, Vec3::ZERO, 1.0);
@@ -383,7 +383,7 @@ fn cameras_are_the_wanted_ones_or_found() {
 
 /// Messages are those of the crates below, to the letter, and errors keep their types.
 #[test]
-fn errors_keep_their_words() {
+fn errors_keep_the_messages_of_lower_crates() {
     let mut explorer = explorer("cornell");
     let asked = RenderSettings { bounces: 99, ..small() };
     let limits = explorer.gpu().device.limits();
@@ -397,7 +397,7 @@ fn errors_keep_their_words() {
 /// If one setting is refused, all requested together are left unchanged; accepted settings take
 /// effect at once.
 #[test]
-fn settings_are_tried_at_once() {
+fn tried_settings_apply_all_or_not_at_all() {
     let mut explorer = explorer("cornell");
     let first = picture(&mut explorer);
     let report = parameters::find_preset("report").unwrap();
@@ -413,7 +413,7 @@ fn settings_are_tried_at_once() {
 }
 
 #[test]
-fn a_camera_set_on_the_renderer_does_not_last() {
+fn the_explorer_overwrites_a_camera_set_on_the_renderer() {
     let mut explorer = explorer("cornell");
     block_on(explorer.frame(&mut |_| {})).unwrap();
     explorer.renderer_mut().unwrap().set_camera(Camera::default());

@@ -14,7 +14,7 @@ use lumivox_render::RenderSettings;
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn nothing_outlives_the_classics() {
+fn classics_leak_no_gpu_resources() {
     let (gpu, scene) = (gpu(), builtin("cornell"));
     let physical = RenderSettings {
         size: UVec2::new(48, 32),

@@ -206,7 +206,7 @@ def errors(case: Case, frames: int, samples: int) -> tuple[Array, Array, Array]:
 
 
 @pytest.mark.parametrize("make", CASES, ids=lambda make: make.__name__)
-def test_closed_form(make: Callable[[], Case]) -> None:
+def test_irradiance_matches_the_closed_form(make: Callable[[], Case]) -> None:
     case = make()
     cones, paths, sigma = errors(case, frames=64, samples=1024)
     print(f"{case.name}: cones {cones}, paths {paths} +- {sigma}")

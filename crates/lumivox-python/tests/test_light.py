@@ -17,7 +17,7 @@ from lumivox import InputError, Light, Material, Renderer, Scene
 from conftest import BLACK, SMALL, floor, lambert, quad
 
 
-def test_a_lamp_over_a_plane() -> None:
+def test_a_lamp_follows_the_inverse_square_law() -> None:
     scene = floor(BLACK)
     height, candela = 1.5, 300.0
     scene.lights = [Light(intensity=candela, position=(0, height, 0))]
@@ -31,7 +31,7 @@ def test_a_lamp_over_a_plane() -> None:
     assert (below == 0).all()
 
 
-def test_a_uniform_sky() -> None:
+def test_a_uniform_sky_gives_pi_times_its_radiance() -> None:
     scene = floor(BLACK)
     scene.set_environment(1000)
     up = lumivox.irradiance(scene, [[0, 0, 0], [0.3, 0.2, -0.7]], **SMALL).lux
@@ -43,7 +43,7 @@ def test_a_uniform_sky() -> None:
     assert side == pytest.approx(np.pi * 500, rel=0.1)
 
 
-def test_a_luminous_polygon() -> None:
+def test_a_luminous_polygon_matches_lamberts_formula() -> None:
     scene = floor(BLACK)
     corners = np.array([(-0.5, 1, -0.5), (0.5, 1, -0.5), (0.5, 1, 0.5), (-0.5, 1, 0.5)])
     glow = Material(base_color=0.0, emissive=1000.0)
@@ -55,7 +55,7 @@ def test_a_luminous_polygon() -> None:
     np.testing.assert_allclose(lux, expected, rtol=0.03)
 
 
-def test_irradiance_of_all_shapes(renderer: Renderer) -> None:
+def test_irradiance_accepts_arrays_of_any_shape(renderer: Renderer) -> None:
     grid = np.random.default_rng(1).uniform(0.2, 0.8, (2, 3, 3))
     light = renderer.irradiance(grid, frames=2)
     assert (light.lux.shape, light.direct.shape, light.openness.shape) == ((2, 3), (2, 3, 3), (2, 3))
@@ -81,7 +81,7 @@ def test_bad_points_are_named(renderer: Renderer, arguments: Any, message: str) 
         renderer.irradiance(*arguments)
 
 
-def test_paths_have_their_standard_error(cornell: Scene) -> None:
+def test_path_traced_irradiance_reports_its_standard_error(cornell: Scene) -> None:
     points = [[0.1, 0.2, 0.1], [-0.2, 0.3, 0.3]]
     light = lumivox.irradiance(cornell, points, method="paths", samples=512)
     again = lumivox.irradiance(cornell, points, method="paths", samples=512)
@@ -127,7 +127,7 @@ def test_luminance_along_rays() -> None:
         lumivox.luminance(scene, (0, 1, 0), (0, 0, 0))
 
 
-def test_a_workplane_shows_itself(tmp_path: Path) -> None:
+def test_a_workplane_is_written_as_png(tmp_path: Path) -> None:
     scene = floor(BLACK)
     scene.lights = [Light(intensity=100, position=(0.5, 1, 0.5))]
     plane = lumivox.workplane(
@@ -144,7 +144,7 @@ def test_a_workplane_shows_itself(tmp_path: Path) -> None:
         plane.to_png(tmp_path / "none" / "plane.png")
 
 
-def test_a_workplane() -> None:
+def test_a_workplane_samples_cell_centres_and_reports_uniformity() -> None:
     scene = floor(BLACK)
     scene.lights = [Light(intensity=100, position=(0, 1, 0))]
     plane = lumivox.workplane(scene, (-1, 0, -1), (2, 0, 0), (0, 0, 2), (2, 4), **SMALL)
@@ -163,7 +163,7 @@ def test_a_workplane() -> None:
         lumivox.workplane(scene, (0, 0, 0), (1, 0, 0), (2, 0, 0))
 
 
-def test_the_reference_has_its_noise(cornell: Scene, tmp_path: Path) -> None:
+def test_the_reference_reports_its_standard_error(cornell: Scene, tmp_path: Path) -> None:
     truth = lumivox.reference(cornell, size=(24, 16), samples=32)
     again = lumivox.reference(cornell, size=(24, 16), samples=32)
     other = lumivox.reference(cornell, size=(24, 16), samples=32, seed=1)
@@ -187,7 +187,7 @@ def test_the_reference_has_its_noise(cornell: Scene, tmp_path: Path) -> None:
         lumivox.reference(cornell, samples=0)
 
 
-def test_errors_are_measured(cornell: Scene, tmp_path: Path) -> None:
+def test_compare_measures_known_errors(cornell: Scene, tmp_path: Path) -> None:
     truth = lumivox.reference(cornell, size=(48, 32), samples=64)
     same = lumivox.compare(truth, truth)
     assert (same.bias_percent, same.rmse_percent, same.flip) == (0, 0, 0)

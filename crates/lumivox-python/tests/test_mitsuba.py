@@ -92,7 +92,7 @@ def in_a_room(both: Both) -> None:
 
 
 @pytest.mark.parametrize("make", [under_a_sky, under_a_sun, in_a_room], ids=lambda make: make.__name__)
-def test_means_are_within_one_percent(make: Callable[[Both], None], tmp_path: Path) -> None:
+def test_means_match_mitsuba_within_one_percent(make: Callable[[Both], None], tmp_path: Path) -> None:
     both = Both(tmp_path)
     make(both)
     eye, target, fov = (1.5, 2.2, 4.0), (0.0, 0.5, 0.0), 45.0

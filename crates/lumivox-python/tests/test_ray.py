@@ -33,7 +33,7 @@ def cluster() -> Iterator[None]:
     ray.shutdown()
 
 
-def test_a_scene_travels_whole(cornell: Scene) -> None:
+def test_a_pickled_scene_is_complete(cornell: Scene) -> None:
     scene = cornell.copy()
     scene.set_sky(elevation_deg=30)
     again = pickle.loads(pickle.dumps(scene))
@@ -46,7 +46,7 @@ def test_a_scene_travels_whole(cornell: Scene) -> None:
     assert (merged.radiance == lumivox.reference(scene, size=SIZE, samples=32, surroundings="none").radiance).all()
 
 
-def test_a_worker_dies_and_the_bits_stay(cluster: None, cornell: Scene, tmp_path: Path) -> None:
+def test_a_dying_worker_does_not_change_the_bits(cluster: None, cornell: Scene, tmp_path: Path) -> None:
     told: list[tuple[int, int]] = []
     folder = str(tmp_path)
 
@@ -74,7 +74,7 @@ def test_a_worker_dies_and_the_bits_stay(cluster: None, cornell: Scene, tmp_path
     assert (truth.radiance == whole.radiance).all()
 
 
-def test_a_worker_that_always_dies_is_told(cluster: None) -> None:
+def test_a_worker_that_always_dies_raises_an_error(cluster: None) -> None:
     def dies() -> Scene:
         os._exit(1)
 
@@ -82,7 +82,7 @@ def test_a_worker_that_always_dies_is_told(cluster: None) -> None:
         lumivox.ray.reference(dies, size=SIZE, samples=16, retries=1)
 
 
-def test_many_pictures_are_those_of_one_machine(cluster: None, tmp_path: Path) -> None:
+def test_distributed_pictures_match_one_machine(cluster: None, tmp_path: Path) -> None:
     file = str(moving(tmp_path))
     times = [0.2 * number for number in range(5)]
     options: dict[str, Any] = {**SMALL, "layers": ["motion"], "times_s": times}
@@ -98,7 +98,7 @@ def test_many_pictures_are_those_of_one_machine(cluster: None, tmp_path: Path) -
         lumivox.ray.render_many(Scene.load(file), VIEW, times_s=times)
 
 
-def test_mistakes_are_told(cluster: None, cornell: Scene) -> None:
+def test_bad_ray_arguments_raise_input_errors(cluster: None, cornell: Scene) -> None:
     for arguments, message in (
         ({"samples": 20}, "samples: is 20, but must be a multiple of 16"),
         ({"batches": 0}, "batches: is 0"),

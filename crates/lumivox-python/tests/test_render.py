@@ -22,7 +22,7 @@ from conftest import SMALL, floor, quad
 CAMERAS = [Camera.look_at((x, 1.0, 3.5), (0, 1, 0)) for x in (-0.4, 0.0, 0.4)]
 
 
-def test_a_picture_is_that_of_the_command_line(cornell: Scene, tmp_path: Path) -> None:
+def test_a_picture_matches_the_command_line(cornell: Scene, tmp_path: Path) -> None:
     # From outside, so that a part is background.
     outside = "0.5,1,5,0,1,0,50"
     picture = lumivox.render(cornell, outside, (40, 30), **SMALL)
@@ -56,7 +56,7 @@ def test_arrays_have_their_shapes(renderer: Renderer) -> None:
     assert np.asarray(picture).shape == (32, 48, 3)
 
 
-def test_layers_are_what_is_seen() -> None:
+def test_layers_hold_the_expected_quantities() -> None:
     scene = floor(Material(base_color=(0.5, 0.25, 0.125)))
     quad(scene, (-0.5, 1, 0.5), (1, 0, 0), (0, 0, -1), Material(), "table")
     scene.lights = [Light("directional", 1000)]
@@ -78,7 +78,7 @@ def test_layers_are_what_is_seen() -> None:
     assert (far.layers["instance"] == -1).all() and (far.coverage == 0).all()
 
 
-def test_many_cameras_are_each_alone(cornell: Scene, renderer: Renderer) -> None:
+def test_render_many_matches_single_renders(cornell: Scene, renderer: Renderer) -> None:
     stacked = renderer.render_many(CAMERAS)
     assert stacked["radiance"].shape == (3, 32, 48, 3)
     assert stacked["instance"].shape == (3, 32, 48)
@@ -101,7 +101,7 @@ def test_cameras_are_found_by_name_and_number(cornell: Scene, renderer: Renderer
         renderer.render(object())  # type: ignore[arg-type]
 
 
-def test_an_update_is_a_new_renderer(cornell: Scene) -> None:
+def test_an_updated_renderer_matches_a_new_one(cornell: Scene) -> None:
     scene = cornell.copy()
     renderer = Renderer(scene, size=(24, 16), **SMALL)
     first = renderer.render().radiance
@@ -138,7 +138,7 @@ def test_bad_settings_are_named(cornell: Scene, arguments: dict[str, Any], messa
         Renderer(cornell, **{"size": (8, 8), **SMALL, **arguments})
 
 
-def test_settings_are_those_of_the_table(renderer: Renderer) -> None:
+def test_settings_match_the_parameter_table(renderer: Renderer) -> None:
     names = {row["name"] for row in lumivox.settings()}
     assert {"frames", "resolution", "cones", "exposure"} <= names
     assert renderer.settings["frames"] == "2"
@@ -146,7 +146,7 @@ def test_settings_are_those_of_the_table(renderer: Renderer) -> None:
     assert renderer.voxels > 0 and renderer.voxel_size_m > 0
 
 
-def test_a_machine_without_a_driver_is_told() -> None:
+def test_a_missing_driver_raises_an_error() -> None:
     # The loader finds no driver, as on a fresh machine.
     nowhere = {**os.environ, "VK_DRIVER_FILES": "/dev/null", "VK_ICD_FILENAMES": "/dev/null", "EGL_PLATFORM": "none"}
     program = "import lumivox; lumivox.render(lumivox.Scene.builtin('cornell'), size=(8, 8))"
@@ -155,18 +155,18 @@ def test_a_machine_without_a_driver_is_told() -> None:
     assert "mesa-vulkan-drivers" in run.stderr.splitlines()[-1]
 
 
-def test_an_unknown_gpu_is_told(cornell: Scene) -> None:
+def test_an_unknown_gpu_raises_an_error(cornell: Scene) -> None:
     with pytest.raises(GpuError, match="no such gpu") as raised:
         Renderer(cornell, adapter="no such gpu", **SMALL)
     assert raised.value.code == 4
 
 
-def test_a_scene_that_is_none_is_told() -> None:
+def test_an_argument_that_is_not_a_scene_raises() -> None:
     with pytest.raises(InputError, match="scene: is a str, but must be a lumivox.Scene"):
         lumivox.render("cornell")  # type: ignore[arg-type]
 
 
-def test_progress_is_told_and_stops_the_work(cornell: Scene) -> None:
+def test_progress_callbacks_can_stop_the_work(cornell: Scene) -> None:
     told: list[tuple[str, float, int]] = []
     lumivox.render(cornell, size=(8, 8), progress=lambda *step: told.append(step), **SMALL)
     stages = [stage for stage, _, _ in told]
@@ -181,7 +181,7 @@ def test_progress_is_told_and_stops_the_work(cornell: Scene) -> None:
         lumivox.render(cornell, size=(8, 8), progress=stop, **SMALL)
 
 
-def test_ctrl_c_stops_a_picture_and_spares_the_renderer(renderer: Renderer, cornell: Scene) -> None:
+def test_ctrl_c_stops_a_render_but_keeps_the_renderer(renderer: Renderer, cornell: Scene) -> None:
     endless = Renderer(cornell, size=(16, 16), **{**SMALL, "frames": 65536})
     timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
     with pytest.raises(KeyboardInterrupt):
@@ -191,7 +191,7 @@ def test_ctrl_c_stops_a_picture_and_spares_the_renderer(renderer: Renderer, corn
     assert endless.irradiance((0, 1, 0)).lux > 0
 
 
-def test_other_threads_run_meanwhile(cornell: Scene) -> None:
+def test_rendering_releases_the_gil(cornell: Scene) -> None:
     renderer = Renderer(cornell, size=(64, 48), **{**SMALL, "frames": 8})
     done = threading.Event()
     counted = 0
@@ -225,7 +225,7 @@ def test_threads_share_a_renderer(renderer: Renderer) -> None:
         assert (results[index] == expected).all()
 
 
-def test_a_forked_process_is_told(renderer: Renderer) -> None:
+def test_use_in_a_forked_process_raises_an_error(renderer: Renderer) -> None:
     read, write = os.pipe()
     child = os.fork()
     if child == 0:
@@ -252,7 +252,7 @@ def test_a_renderer_outlives_its_scene() -> None:
     assert (renderer.render().radiance == before).all()
 
 
-def test_work_goes_on_without_its_scene_and_renderer() -> None:
+def test_a_render_survives_deletion_of_scene_and_renderer() -> None:
     scene = floor()
     kept: list[Any] = [Renderer(scene, size=(8, 8), **{**SMALL, "frames": 200}), scene]
     expected = kept[0].render().radiance
@@ -307,7 +307,7 @@ def test_memory_stays_flat(cornell: Scene) -> None:
         assert grown < 4, work.__name__
 
 
-def test_the_voxels_faces_have_their_light() -> None:
+def test_faces_report_area_reflectance_and_radiance() -> None:
     scene = floor(Material(base_color=0.5))
     scene.set_environment(1000)
     flat = Renderer(scene, size=(8, 8), surroundings="none", **{**SMALL, "bounces": 2})
@@ -325,7 +325,7 @@ def test_the_voxels_faces_have_their_light() -> None:
     assert (faces["emission"] == 0).all()
 
 
-def test_arrays_travel_by_dlpack(renderer: Renderer) -> None:
+def test_arrays_support_dlpack(renderer: Renderer) -> None:
     picture = renderer.render()
     shared = np.from_dlpack(picture.radiance)
     assert shared.dtype == np.float32 and np.shares_memory(shared, picture.radiance)
@@ -347,7 +347,7 @@ def test_pictures_of_arrays_are_shown_and_written(tmp_path: Path) -> None:
         Picture(np.zeros((2, 2)))
 
 
-def test_the_program_is_in_the_package() -> None:
+def test_the_package_contains_the_program() -> None:
     def run(*arguments: str) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "lumivox", *arguments]
         return subprocess.run(command, capture_output=True, text=True)

@@ -75,7 +75,7 @@ def test_bad_arrays_are_named(arguments: dict[str, Any], message: str) -> None:
     assert isinstance(raised.value, ValueError)
 
 
-def test_meshes_of_others_are_read() -> None:
+def test_trimesh_and_pyvista_like_meshes_are_read() -> None:
     box = trimesh.creation.box((1, 2, 3))
     scene = Scene.from_mesh(box, name="box")
     assert scene.triangles == 12
@@ -125,7 +125,7 @@ def test_lights_have_all_fields_of_the_table() -> None:
     assert keys == {field.name for field in fields(Light)}
 
 
-def test_a_copy_is_another_scene() -> None:
+def test_editing_a_copy_does_not_change_the_original() -> None:
     scene = floor()
     copy = scene.copy()
     copy.set_material(0, base_color=0.5)
@@ -179,7 +179,7 @@ def test_bad_edits_change_nothing(edit: str, message: str) -> None:
     refused(edit, message)
 
 
-def test_files_are_named(tmp_path: Path) -> None:
+def test_file_errors_name_the_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no/such.glb"):
         Scene.load("no/such.glb")
     with pytest.raises(OutputError, match="missing") as raised:
@@ -201,10 +201,10 @@ def test_parts_have_materials_of_their_own() -> None:
     assert scene.materials[1].base_color == (1, 0, 0)
 
 
-# test_meshes_of_others_are_read tests the interface of meshes without PyVista.
+# test_trimesh_and_pyvista_like_meshes_are_read tests the interface of meshes without PyVista.
 @pytest.mark.skipif(not os.environ.get("LUMIVOX_RELEASE"), reason="for a release: installs VTK")
 @pytest.mark.filterwarnings("ignore:The default value of `algorithm`")
-def test_pyvistas_own_meshes_load() -> None:
+def test_real_pyvista_meshes_load() -> None:
     pyvista: Any = import_module("pyvista")
     for mesh, triangles in ((pyvista.Cube(), 12), (pyvista.Plane(i_resolution=3, j_resolution=2), 12)):
         scene = Scene.from_mesh(mesh)

@@ -30,7 +30,7 @@ def program(*arguments: str) -> None:
     subprocess.run([sys.executable, "-m", "lumivox", *arguments], check=True, capture_output=True)
 
 
-def test_a_scene_shows_its_animation(tmp_path: Path) -> None:
+def test_posing_moves_instances_and_lights(tmp_path: Path) -> None:
     scene = Scene.load(moving(tmp_path))
     assert scene.animations == (Animation("walk", 1.0),)
     scene.pose(0.5)
@@ -57,7 +57,7 @@ def test_a_scene_shows_its_animation(tmp_path: Path) -> None:
         floor().pose(0)
 
 
-def test_a_sequence_is_that_of_the_command_line(tmp_path: Path) -> None:
+def test_a_sequence_matches_the_command_line(tmp_path: Path) -> None:
     file = moving(tmp_path)
     views = lumivox.render_many(Scene.load(file), VIEW, SIZE, times_s=TIMES, **SMALL)
     assert views["radiance"].shape == (3, 48, 64, 3)
@@ -70,7 +70,7 @@ def test_a_sequence_is_that_of_the_command_line(tmp_path: Path) -> None:
     assert (views["radiance"][0] != views["radiance"][2]).any()
 
 
-def test_one_time_is_that_of_the_command_line(tmp_path: Path) -> None:
+def test_one_moment_matches_the_command_line(tmp_path: Path) -> None:
     file = moving(tmp_path)
     scene = Scene.load(file)
     small = lumivox.render(scene, VIEW, (32, 24), time_s=0.5, **SMALL)
@@ -97,7 +97,7 @@ def test_the_camera_of_a_file_moves(tmp_path: Path) -> None:
     assert heights == pytest.approx([1, 1.5, 2])
 
 
-def test_motion_is_that_of_things(tmp_path: Path) -> None:
+def test_the_motion_layer_shows_object_motion(tmp_path: Path) -> None:
     scene = Scene.load(moving(tmp_path))
     options = {**SMALL, "layers": ["motion", "instance"]}
     views = lumivox.render_many(scene, EYE, SIZE, times_s=[0, 0.5], **options)
@@ -110,7 +110,7 @@ def test_motion_is_that_of_things(tmp_path: Path) -> None:
         np.testing.assert_allclose(seen, np.broadcast_to(way, seen.shape), atol=1e-3)
 
 
-def test_motion_is_that_of_the_camera() -> None:
+def test_the_motion_layer_shows_camera_motion() -> None:
     """The pixels of one picture, with their depth, are found in the other."""
     scene = floor(edge_m=10)
     quad(scene, (-0.5, 0, 0), (1, 0, 0), (0, 1, 0), name="wall")
@@ -145,13 +145,13 @@ def test_motion_is_that_of_the_camera() -> None:
     assert close.mean() > 0.99
 
 
-def test_what_was_behind_the_camera_has_no_motion() -> None:
+def test_points_formerly_behind_the_camera_have_nan_motion() -> None:
     cameras = [Camera.look_at((0, 1, 0), (0, 1, z)) for z in (1, -1)]
     views = lumivox.render_many(floor(), cameras, (8, 8), layers=["motion"], **SMALL)
     assert np.isnan(views["motion"][1]).all()
 
 
-def test_pictures_of_the_preset_realtime_are_each_alone(cornell: Scene) -> None:
+def test_realtime_pictures_do_not_depend_on_earlier_ones(cornell: Scene) -> None:
     cameras = [Camera.look_at((x, 1.0, 3.5), (0, 1, 0)) for x in (-0.4, 0.4)]
     settings: dict[str, Any] = {"preset": "realtime", "resolution": 32, "frames": 2, "shadow_resolution": 128}
     renderer = Renderer(cornell, cameras[0], (24, 16), **settings)
@@ -159,7 +159,7 @@ def test_pictures_of_the_preset_realtime_are_each_alone(cornell: Scene) -> None:
     assert (after == lumivox.render(cornell, cameras[1], (24, 16), **settings).radiance).all()
 
 
-def test_mistakes_are_told(cornell: Scene) -> None:
+def test_bad_sequence_arguments_raise_input_errors(cornell: Scene) -> None:
     renderer = Renderer(cornell, size=(8, 8), **SMALL)
     for call, message in (
         (lambda: renderer.render_many([EYE, EYE], [0]), "times_s: has 1 times, but there are 2 cameras"),

@@ -170,7 +170,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_shortage_tells_what_there_is() {
+    fn out_of_memory_errors_state_needed_and_free_memory() {
         let text = |needed_mib, available_mib| {
             let (what, remedy) = ("a picture".to_owned(), "ask for less".to_owned());
             RenderError::OutOfMemory { what, needed_mib, available_mib, remedy }.to_string()

@@ -15,7 +15,7 @@ fn libraries() -> Vec<ShaderLibrary> {
 }
 
 #[test]
-fn structs_lie_in_memory_alike() {
+fn rust_and_wgsl_structs_have_the_same_layout() {
     use crate::passes::accumulate::AccumulateSettings;
     use crate::passes::composite::CompositeSettings;
     use crate::passes::gbuffer::RasterView;
@@ -43,7 +43,7 @@ fn structs_lie_in_memory_alike() {
 }
 
 #[test]
-fn the_overlays_structs_lie_in_memory_alike() {
+fn overlay_structs_match_their_wgsl_layout() {
     use crate::passes::overlay::{EdgeRange, LineRecord, SegmentView, WireSettings};
 
     let library = &libraries()[0];
@@ -54,7 +54,7 @@ fn the_overlays_structs_lie_in_memory_alike() {
 }
 
 #[test]
-fn the_path_tracers_structs_lie_in_memory_alike() {
+fn path_tracer_structs_match_their_wgsl_layout() {
     use crate::reference::{
         EmitterRecord, FilmRecord, NodeRecord, PeakRecord, TileRecord, TracedMaterialRecord,
         TriangleRecord, VertexRecord, WorldRecord,

@@ -104,7 +104,7 @@ fn frames_leave_nothing_in_memory() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn nothing_outlives_its_owner_and_changes_leave_nothing_behind() {
+fn renderers_and_changed_settings_leak_no_gpu_resources() {
     let gpu = gpu();
     for name in ["cornell", "spheres", "panel"] {
         let held = held_by_a_new_one(&gpu, &builtin(name), &small());

@@ -44,7 +44,7 @@ impl Drop for Server {
 }
 
 #[test]
-fn files_come_with_their_kinds_and_nothing_else_comes() {
+fn only_files_in_the_folder_are_served() {
     let outer = tempfile::tempdir().unwrap();
     std::fs::write(outer.path().join("secret"), "secret").unwrap();
     let root = outer.path().join("page");
@@ -69,7 +69,7 @@ fn files_come_with_their_kinds_and_nothing_else_comes() {
 }
 
 #[test]
-fn browsers_that_keep_their_connections_hold_nobody_up() {
+fn open_connections_do_not_block_other_clients() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("index.html"), "<p>").unwrap();
     let server = Server::start(folder.path());
@@ -85,7 +85,7 @@ fn browsers_that_keep_their_connections_hold_nobody_up() {
 }
 
 #[test]
-fn a_port_that_is_taken_is_told_with_a_remedy() {
+fn a_port_in_use_is_reported_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(folder.path());
     let port = server.port.to_string();
@@ -100,7 +100,7 @@ fn a_port_that_is_taken_is_told_with_a_remedy() {
 }
 
 #[test]
-fn a_folder_that_is_not_there_is_told() {
+fn a_missing_folder_is_reported() {
     let output =
         Command::new(env!("CARGO_BIN_EXE_lumivox-serve")).arg("no such folder").output().unwrap();
     assert!(!output.status.success());

@@ -25,7 +25,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cones_link_with_it() {
+    fn cone_shaders_link_with_the_gbuffer_module() {
         let (device, queue) = pollster::block_on(lumivox::gpu::open_device()).unwrap();
         let grid = Grid::fit(glam::Vec3::ZERO, glam::Vec3::ONE, 16, glam::Vec3::ZERO).unwrap();
         for is_reversed in [false, true] {

@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_light_has_its_numbers_in_order() {
+    fn light_rows_are_read_in_field_order() {
         let mut row = [0.0; 2 * LIGHT];
         row[..LIGHT].copy_from_slice(&[
             2.0, 1.0, 2.0, 3.0, 0.0, -2.0, 0.0, 4.0, 5.0, 6.0, 0.1, 9.0, 0.2, 0.4,
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn draws_that_are_broken_have_no_surface() {
+    fn draws_with_nan_matrices_have_no_indices() {
         let rows = [7, 3, 6, 1, 1, 7, 9, 6, 1, 0];
         let mut matrices = [Mat4::IDENTITY.to_cols_array(); 2].concat();
         matrices[20] = f32::NAN;
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_none_are_refused() {
+    fn non_finite_material_numbers_are_refused() {
         let mut row = [0.5; MATERIAL];
         assert!(material(&row).is_ok());
         row[8] = f32::INFINITY;
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn textures_lie_where_three_puts_them() {
+    fn texture_transforms_follow_three_js() {
         // Shifted by (0.25, 0.5) and scaled by (2, 3).
         let place = texture_transform(&[2.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.25, 0.5, 1.0]);
         assert_eq!(place.transform_point2(Vec2::ONE), Vec2::new(2.25, 3.5));

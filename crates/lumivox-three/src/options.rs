@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named_with_what_would_be_right() {
+    fn invalid_options_are_named_with_valid_values() {
         for (name, value, expected) in [
             ("resolution", "63", "multiple of 8"),
             ("resolution", "many", "multiple of 8"),

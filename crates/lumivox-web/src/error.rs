@@ -182,7 +182,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn options_become_settings() {
+    fn option_names_in_messages_become_setting_names() {
         for (message, expected) in [
             (
                 "store them in an octree (--volume octree)",
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_large_is_told_by_its_code() {
+    fn limit_errors_have_the_code_limit() {
         let error = RenderError::Limit {
             what: "a picture".to_owned(),
             needed: 9000,

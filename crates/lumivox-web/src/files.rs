@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn scenes_of_vxct_go_before_their_models() {
+    fn vxct_scenes_take_precedence_over_models() {
         let mut files = of(&["box.obj", "quad.obj"]);
         files.add("room.scene", b"scene { }".to_vec());
         assert_eq!(files.scene(), Ok("room.scene"));

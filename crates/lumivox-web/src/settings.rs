@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn all_settings_come_back_as_they_went() {
+    fn all_settings_round_trip_through_javascript() {
         let settings = changed(&[
             ("resolution", SettingValue::Number(64.0)),
             ("view", text("indirect")),
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_are_read_as_on_a_command_line() {
+    fn setting_texts_parse_like_command_line_values() {
         let settings = changed(&[("resolution", text("96")), ("specular", text("off"))]).unwrap();
         assert_eq!(all(&settings)["resolution"], SettingValue::Number(96.0));
         assert_eq!(all(&settings)["specular"], SettingValue::Switch(false));
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_what_would_be_right() {
+    fn errors_of_bad_settings_name_valid_values() {
         let message = |name, value| changed(&[(name, value)]).unwrap_err().message;
         assert_eq!(
             message("resolutoin", text("64")),
@@ -212,7 +212,7 @@ mod tests {
 
     /// `LUMIVOX_BLESS=1` writes the file.
     #[test]
-    fn the_declarations_are_those_of_the_table() {
+    fn the_declarations_match_the_parameter_table() {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/src/settings.d.ts");
         if std::env::var_os("LUMIVOX_BLESS").is_some() {
             std::fs::write(file, declarations()).unwrap();

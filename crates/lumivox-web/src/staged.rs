@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_clear_day_adds_is_told_from_what_the_file_has() {
+    fn staged_lights_and_objects_are_distinguished_from_own() {
         let mut scene = builtin::scene("cornell").unwrap();
         scene.lights.push(Light { name: "its own".to_owned(), ..Light::default() });
         let (objects, lights) = (scene.instances.len(), scene.lights.len());

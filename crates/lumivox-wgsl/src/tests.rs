@@ -32,7 +32,7 @@ fn library() -> ShaderLibrary {
 }
 
 #[test]
-fn a_shader_has_what_its_entry_points_reach_under_unique_names() {
+fn linking_keeps_reachable_items_under_unique_names() {
     let linked = library().link("light::one").unwrap();
     let source = &linked.source;
     assert!(source.contains("fn light_one_shade(light: light_one_Light) -> f32 {"), "{source}");
@@ -50,7 +50,7 @@ fn a_shader_has_what_its_entry_points_reach_under_unique_names() {
 }
 
 #[test]
-fn a_line_of_a_shader_is_found_in_its_module() {
+fn linked_lines_map_to_module_lines() {
     let linked = library().link("light::one").unwrap();
     let line = linked.source.lines().position(|line| line.contains("1e-5")).unwrap() as u32 + 1;
     assert_eq!(linked.place_of(line), Some(("light::one", Some(10))));
@@ -61,7 +61,7 @@ fn a_line_of_a_shader_is_found_in_its_module() {
 }
 
 #[test]
-fn text_of_builds_has_no_comments_and_no_empty_lines() {
+fn built_text_has_no_comments_or_empty_lines() {
     let module = parse("light::one", LIGHT, false).unwrap();
     assert!(
         module.declarations.iter().all(|d| !d.text.contains("comment") && !d.text.contains("\n\n"))
@@ -69,7 +69,7 @@ fn text_of_builds_has_no_comments_and_no_empty_lines() {
 }
 
 #[test]
-fn mistakes_are_told_with_module_and_line() {
+fn errors_name_module_and_line() {
     let message = |source: &str| {
         library().add("mine", source).link_whole("mine").map(drop).unwrap_err().to_string()
     };
@@ -159,7 +159,7 @@ fn libraries_are_equal_by_content() {
 }
 
 #[test]
-fn a_module_that_lacks_a_part_of_a_slots_interface_is_at_fault() {
+fn a_slot_module_missing_an_item_is_blamed() {
     let mut caller =
         parse("caller", "import package::slot::part;\nfn f() { part(); }", false).unwrap();
     caller.is_built = true;
@@ -172,7 +172,7 @@ fn a_module_that_lacks_a_part_of_a_slots_interface_is_at_fault() {
 }
 
 #[test]
-fn workgroup_sizes_are_numbers_and_constants() {
+fn workgroup_sizes_may_use_numbers_and_constants() {
     for (size, expected) in [
         ("64", [64, 1, 1]),
         ("0x8u, 4,", [8, 4, 1]),
@@ -193,7 +193,7 @@ fn workgroup_sizes_are_numbers_and_constants() {
 }
 
 #[test]
-fn comments_part_words_in_built_text_and_byte_order_marks_are_skipped() {
+fn comments_separate_words_and_byte_order_marks_are_skipped() {
     let module = parse("m", "\u{feff}fn f() { return/* x */b; }", false).unwrap();
     assert_eq!(module.declarations[0].text, "fn m_f() { return b; }");
 }

@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_is_that_of_the_brdf() {
+    fn mean_gloss_matches_the_brdf() {
         for roughness in [0.4, 0.5, 0.7, 1.0] {
             let gloss = Gloss::new(0.04, roughness as f32);
             let cosines = (0..24).map(|i| ((f64::from(i) + 0.5) / 24.0).sqrt());
@@ -154,7 +154,7 @@ mod tests {
     /// From rough to smooth, at angles where a wall is lit, the fit is within 0.01 of the light, or
     /// within a sixth.
     #[test]
-    fn it_grows_towards_grazing_as_the_brdf_does() {
+    fn grazing_gloss_grows_like_the_brdf() {
         for roughness in [0.35, 0.5, 0.7, 1.0] {
             let gloss = Gloss::new(0.04, roughness as f32);
             for cosine in [0.2, 0.33, 0.5, 0.8, 1.0] {
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_enter_is_the_mean_of_schlicks_term() {
+    fn the_kept_out_share_is_schlicks_mean() {
         const STEPS: u32 = 40;
         let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(STEPS);
         let mut sum = 0.0;
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn lambert_mirrors_nothing_and_a_smooth_mirror_all() {
+    fn lambert_has_no_gloss_and_a_mirror_full_gloss() {
         assert_eq!(Gloss::new(0.0, 0.5), Gloss::NONE);
         let mirror = Gloss::new(1.0, 0.0);
         assert!(mirror.mean > 0.98 && mirror.kept_out > 0.999, "{mirror:?}");

@@ -24,7 +24,7 @@ fn libraries() -> Vec<ShaderLibrary> {
 }
 
 #[test]
-fn structs_lie_in_memory_alike() {
+fn rust_and_wgsl_structs_have_the_same_layout() {
     let library = &libraries()[0];
     check_struct::<NodeRecord>(library, "voxels::list", "Node");
     check_struct::<FaceRecord>(library, "voxels::list", "Face");

@@ -25,7 +25,7 @@ fn lamp(position: Vec3) -> Light {
 /// none is waited for.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_steady_frame_makes_nothing() {
+fn steady_frames_create_no_gpu_resources() {
     for volume in [VolumeKind::Dense, VolumeKind::Octree] {
         check_steady(volume);
     }

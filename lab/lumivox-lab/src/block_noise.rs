@@ -63,7 +63,7 @@ mod tests {
 
     /// Twelve blocks of brightness 2: one has an error of 10 % in all pixels, one a dot.
     #[test]
-    fn noise_is_measured_by_blocks() {
+    fn block_noise_reports_median_p95_and_dots() {
         let (width, height) = (32, 24);
         let many = LinearPicture { size: UVec2::new(32, 24), rgb: vec![[2.0; 3]; width * height] };
         let mut few = many.clone();

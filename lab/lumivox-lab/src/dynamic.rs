@@ -375,7 +375,7 @@ mod tests {
 
     /// The share is met to the triangle, no triangle is lost, and the small things move.
     #[test]
-    fn the_share_is_met() {
+    fn the_marked_dynamic_share_matches_the_request() {
         for (name, share) in
             [("spheres", 0.01), ("spheres", 0.5), ("cornell", 0.1), ("cornell", 1.0)]
         {

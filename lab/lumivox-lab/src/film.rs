@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_come_back_in_order_with_their_colors() {
+    fn encoded_film_keeps_frame_order_and_colors() {
         let colors = [[255, 0, 0], [0, 255, 0], [0, 0, 0], [255, 255, 255]];
         let frames: Vec<RgbImage> = (0..3)
             .map(|first| {
@@ -112,7 +112,7 @@ mod tests {
 
     /// Half of the frame has one colour, the other half thousands: the palette contains the former.
     #[test]
-    fn frequent_colors_are_kept() {
+    fn the_palette_keeps_frequent_colors() {
         let wall = Rgb([200, 101, 50]);
         let frame = RgbImage::from_fn(128, 64, |x, y| {
             if x < 64 { wall } else { Rgb([2 * x as u8, 4 * y as u8, (x ^ y) as u8]) }

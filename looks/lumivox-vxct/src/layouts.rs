@@ -15,7 +15,7 @@ fn library_of(kind: VolumeKind) -> ShaderLibrary {
 }
 
 #[test]
-fn structs_lie_in_memory_alike() {
+fn rust_and_wgsl_structs_have_the_same_layout() {
     let library = &library_of(VolumeKind::Dense);
     check_struct::<VxctCone>(library, "vxct::uniform", "VxctCone");
     check_struct::<VxctUniform>(library, "vxct::uniform", "VxctUniform");

@@ -333,7 +333,7 @@ mod tests {
     use lumivox_render::look::Look as _;
 
     #[test]
-    fn the_three_programs_have_their_constants() {
+    fn defaults_match_vxct_at_each_resolution() {
         let [coarse, middle, fine] = [64, 128, 256].map(VxctSettings::for_resolution);
         let diffuse =
             |factor| ConeShape { aperture_rad: 0.55, offset: 0.19, distance_factor: factor };
@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_are_checked() {
+    fn settings_out_of_range_are_refused() {
         type Set = fn(&mut VxctSettings, f32);
         let cases: [(Set, f32, f32); 6] = [
             (|s, v| s.diffuse_cone.aperture_rad = v, 0.001, 2.0),

@@ -15,7 +15,7 @@ use lumivox_render::RenderSettings;
 use lumivox_vxct::VxctSettings;
 
 #[test]
-fn nothing_outlives_the_look() {
+fn the_vxct_look_leaks_no_gpu_resources() {
     let gpu = gpu();
     let physical = RenderSettings {
         size: UVec2::new(48, 32),

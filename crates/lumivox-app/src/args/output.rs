@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_good_place_is_left_as_it_was() {
+    fn checking_an_output_path_creates_no_file() {
         let folder = tempfile::tempdir().unwrap();
         check(&folder.path().join("picture.png")).unwrap();
         check(&folder.path().join("picture.EXR")).unwrap();
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_places_are_named() {
+    fn bad_output_paths_are_refused_by_name() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file.png");
         std::fs::write(&file, "").unwrap();

@@ -132,14 +132,14 @@ mod tests {
     }
 
     #[test]
-    fn the_prefix_tells_names_from_files() {
+    fn the_builtin_prefix_marks_names_of_built_in_scenes() {
         assert_eq!(source("builtin:cornell"), SceneSource::Builtin("cornell".to_owned()));
         assert_eq!(source("a/b.glb"), SceneSource::File("a/b.glb".into()));
         assert_eq!(source("builtin:cornell").to_string(), "builtin:cornell");
     }
 
     #[test]
-    fn what_is_not_there_is_named() {
+    fn unknown_scenes_are_named_with_a_suggestion() {
         let error = check(&source("builtin:corn")).unwrap_err().to_string();
         assert!(error.contains("\"corn\"") && error.contains("cornell"), "{error}");
         let error = check(&source("cornell")).unwrap_err().to_string();

@@ -339,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn every_setting_can_be_given() {
+    fn every_setting_has_a_command_line_option() {
         for parameter in PARAMETERS.iter() {
             let value = parameter.default(PresetChoice::default());
             let line = match look_of(parameter) {
@@ -363,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn the_help_tells_the_values_of_presets() {
+    fn help_shows_the_values_that_presets_set() {
         let command = Line::command();
         let help = |id: &str| {
             let argument = command.get_arguments().find(|a| a.get_id() == id).unwrap();
@@ -378,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_out_of_range_are_told_from_what_is_not_a_number() {
+    fn out_of_range_and_malformed_numbers_are_distinguished() {
         let refused = |name, text| number(find_parameter(name).unwrap(), text).unwrap_err();
         for (name, text) in
             [("frames", "-1"), ("exposure", "nan"), ("resolution", "130"), ("grid_offset", "0,1,0")]

@@ -109,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn boxes_are_checked() {
+    fn invalid_boxes_are_refused() {
         assert_eq!(
             corners("2,3,-1,0,4,5"),
             Ok((Vec3::new(0.0, 3.0, -1.0), Vec3::new(2.0, 4.0, 5.0)))

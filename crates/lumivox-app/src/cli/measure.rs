@@ -174,7 +174,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ranges_and_areas_are_checked() {
+    fn invalid_ranges_and_areas_are_refused() {
         assert_eq!(scale("0..500"), Ok((0.0, 500.0)));
         assert_eq!(area("2,3,-1,4"), Ok([-1.0, 3.0, 2.0, 4.0]));
         for text in ["5..5", "-1..5", "0..inf"] {

@@ -20,7 +20,7 @@ fn arguments(command: &Definition) -> impl Iterator<Item = &Arg> {
 }
 
 #[test]
-fn the_definition_is_sound() {
+fn clap_accepts_the_command_definition() {
     Cli::command().debug_assert();
 }
 
@@ -141,7 +141,7 @@ fn numbers_out_of_range_are_bad_input_everywhere() {
 }
 
 #[test]
-fn the_exit_codes_are_told() {
+fn help_lists_all_exit_codes() {
     let codes = [
         "0  all",
         "1  the GPU",

@@ -69,7 +69,7 @@ fn arguments_reach_the_settings() {
 }
 
 #[test]
-fn a_preset_brings_its_companions_unless_told_otherwise() {
+fn the_report_preset_sets_related_settings_unless_overridden() {
     let settings_of = |options: &str| {
         let line = format!("lumivox render a.glb -o a.png --preset report {options}");
         let parsed = Cli::try_parse_from(line.split_whitespace()).unwrap().command;
@@ -97,7 +97,7 @@ fn a_preset_brings_its_companions_unless_told_otherwise() {
 }
 
 #[test]
-fn the_look_of_vxct_brings_its_companions() {
+fn the_vxct_preset_sets_related_settings_unless_overridden() {
     let args_of = |options: &str| {
         let line = format!("lumivox render a.glb -o a.png --preset vxct {options}");
         let parsed = Cli::try_parse_from(line.split_whitespace()).unwrap().command;
@@ -145,7 +145,7 @@ fn the_look_of_vxct_brings_its_companions() {
 }
 
 #[test]
-fn the_ends_of_the_ranges_are_the_renderers() {
+fn option_ranges_match_those_of_the_renderer() {
     let limits = wgpu::Limits::default();
     let valid = |option: &str, value: &str| {
         let line = ["lumivox", "render", "a.glb", "-o", "a.png", option, value];

@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_asked_for_until_there_are_no_more() {
+    fn the_prompt_reads_lines_until_end_of_input() {
         let output = Kept::default();
         let host = Host::embedded(Embedded {
             input: Box::new(Cursor::new("one\r\n\ntwo")),

@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_and_scale_belong_together() {
+    fn pixel_colours_match_the_colour_scale() {
         let values = [0.0, 50.0, 100.0, 200.0];
         let size = UVec2::new(2, 2);
         let light = FalseColor {

@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn colors_say_too_dark_and_too_bright() {
+    fn error_colors_show_too_dark_and_too_bright() {
         let [[low, _, low_blue], [high, _, high_blue]] = [color(-0.2), color(0.2)];
         assert!(low < low_blue && high > high_blue);
         assert!(color(0.0).iter().all(|&channel| channel > 230), "{:?}", color(0.0));
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn panels_stand_side_by_side() {
+    fn the_strip_shows_reference_ours_and_error() {
         // Three pixels: right, too dark by half, too bright by half.
         let size = UVec2::new(3, 1);
         let reference = picture(size, |_| 2.0);
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn every_row_has_room() {
+    fn the_strip_grows_to_fit_every_row() {
         let [small, large] = [UVec2::new(8, 6), UVec2::new(500, 300)].map(|s| picture(s, |_| 1.0));
         let one = drawn(&[(&small, &small)]);
         let two = drawn(&[(&small, &small), (&large, &large)]);

@@ -208,7 +208,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn folders_and_patterns_are_told_from_pictures() {
+    fn folders_and_patterns_are_distinguished_from_single_pictures() {
         let folder = tempfile::tempdir().unwrap();
         for name in ["walk/", "a_##.png", "#.exr"] {
             assert!(FrameFiles::is_meant(Path::new(name), false), "{name}");
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn files_are_numbered_as_long_as_needed() {
+    fn frame_numbers_get_as_many_digits_as_needed() {
         let mut files = FrameFiles::new(Path::new("out/walk")).unwrap();
         assert_eq!(files.path(7), Path::new("out/walk/0007.png"));
         assert_eq!(files.index(), Path::new("out/walk/index.json"));
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn a_range_has_an_index_of_its_own() {
+    fn each_range_of_pictures_has_its_own_index() {
         let files = FrameFiles::new(Path::new("b/a_##.exr")).unwrap();
         assert_eq!(files.numbers(9).unwrap(), 0..9);
         let part = files.of_range(Some(6..12));
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_numbered_is_refused() {
+    fn file_names_without_a_valid_number_pattern_are_refused() {
         for (name, needle) in [
             ("a.png", "a_####.png"),
             ("a_#_#.png", "together"),

@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn complete_pictures_stay_and_the_others_are_missing() {
+    fn only_incomplete_pictures_are_rendered_again() {
         let folder = tempfile::tempdir().unwrap();
         let files = FrameFiles::new(folder.path()).unwrap();
         let new = || Index::new(4, settings(&json!({ "frames": 16, "scale": 0.1_f32 })));
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn other_settings_are_refused_by_name() {
+    fn resuming_with_changed_settings_is_refused_by_name() {
         let folder = tempfile::tempdir().unwrap();
         let files = FrameFiles::new(folder.path()).unwrap();
         let old = json!({ "frames": 16, "sun": null });
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_nobody_are_not_replaced() {
+    fn pictures_without_an_index_are_not_overwritten() {
         let folder = tempfile::tempdir().unwrap();
         let files = FrameFiles::new(folder.path()).unwrap();
         std::fs::write(files.path(1), "a photograph").unwrap();

@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn the_start_is_taken_and_the_end_is_not() {
+    fn time_ranges_include_the_start_but_not_the_end() {
         let moments = Moments::new(1.0..3.0, 24.0).unwrap();
         assert_eq!(moments.count, 48);
         assert_eq!(moments.time_s(0), 1.0);

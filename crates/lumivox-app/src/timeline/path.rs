@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_are_met_at_their_times() {
+    fn the_path_passes_through_keys_at_their_times() {
         let text = r#"[
             { "time_s": -1, "position": [0, 0, 5], "target": [0, 0, 0], "fov_deg": 30 },
             { "time_s": 1, "camera": 0 },
@@ -311,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn a_target_that_stays_stays_in_the_middle() {
+    fn a_fixed_target_stays_centred_in_the_picture() {
         let text = r#"[
             { "time_s": 0, "position": [3, 1, 0], "target": [0, 1, 0] },
             { "time_s": 1, "position": [0, 2, 3], "target": [0, 1, 0] },

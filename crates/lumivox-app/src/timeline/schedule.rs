@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn an_orbit_goes_round_the_middle() {
+    fn an_orbit_circles_the_centre_of_the_scene() {
         let mut scene = scene();
         // A rolled camera stays rolled.
         scene.cameras[0].up = Vec3::new(0.6, 0.8, 0.0);
@@ -320,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_together_is_told() {
+    fn conflicting_schedule_options_are_refused() {
         let scene = scene();
         let error = |asked: &ScheduleOptions<'_>| {
             Schedule::new(asked, &scene, &OnceCell::new()).unwrap_err().to_string()
@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_wish_it_is_one_picture_at_rest() {
+    fn without_options_one_picture_at_rest_is_scheduled() {
         let scene = scene();
         let schedule = Schedule::new(&asked(None), &scene, &OnceCell::new()).unwrap();
         assert_eq!(schedule.times, PictureTimes::Rest);

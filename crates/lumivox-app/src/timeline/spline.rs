@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn it_passes_every_point_at_its_time_and_stands_still_outside() {
+    fn splines_pass_their_points_and_hold_at_the_ends() {
         let (times, points) = zigzag();
         let spline = Spline::new(&times, &points);
         for (time, point) in times.iter().zip(&points) {
@@ -177,7 +177,7 @@ mod tests {
 
     /// Beside a long piece, the curve overshoots a short piece by less than its length.
     #[test]
-    fn long_pieces_swing_out_little() {
+    fn long_segments_barely_overshoot_short_ones() {
         let points = [[0.0, 0.0], [0.0, 1.0], [10.0, 1.0], [10.0, 0.0]];
         let points = points.map(|[x, y]| DVec3::new(x, y, 0.0));
         let spline = Spline::new(&[0.0, 1.0, 2.0, 3.0], &points);
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_point_twice_is_a_rest() {
+    fn a_repeated_point_pauses_the_path() {
         let points = [DVec3::ZERO, DVec3::X, DVec3::X, DVec3::new(1.0, 2.0, 0.0)];
         let spline = Spline::new(&[0.0, 1.0, 3.0, 4.0], &points);
         for time in [1.0, 1.3, 2.0, 2.9, 3.0] {
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_straight_even_path_is_walked_evenly() {
+    fn a_straight_even_path_has_constant_speed() {
         let points: Vec<_> = (0..4).map(|i| DVec3::new(f64::from(i), 0.0, 0.0)).collect();
         let spline = Spline::new(&[0.0, 1.0, 2.0, 3.0], &points);
         for time in [0.25, 0.5, 1.7, 2.9] {
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pace_stays_between_its_values() {
+    fn monotone_cubic_stays_between_neighbouring_values() {
         let pace = MonotoneCubic::new(&[0.0, 1.0, 2.0, 3.0], &[0.0, 0.0, 5.0, 4.0]);
         for step in 0..=300 {
             let time = f64::from(step) * 0.01;

@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_turns_over_at_the_poles() {
+    fn looking_down_never_flips_the_camera() {
         let mut turned = camera();
         for _ in 0..50 {
             turned = look(&turned, Vec2::new(0.1, 0.2));
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn a_framed_box_is_all_in_the_picture() {
+    fn framing_a_box_shows_all_of_it() {
         let bounds = Bounds { min: Vec3::new(-1.0, 2.0, 3.0), max: Vec3::new(4.0, 5.0, 9.0) };
         for aspect in [0.5_f32, 2.0] {
             let framed = frame(&camera(), bounds, aspect);
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn a_command_puts_the_camera_there_again() {
+    fn the_camera_command_restores_the_camera() {
         let at = look(&camera(), Vec2::new(0.4, 0.1));
         let line = command(&at, 3.0);
         let choice = crate::args::camera::camera(line.strip_prefix("camera ").unwrap()).unwrap();

@@ -221,7 +221,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_kept_comes_back() {
+    fn saved_config_is_read_back_unchanged() {
         let mut config = Config { window: [700.0, 500.0], console: false, ..Config::default() };
         config.note_recent("builtin:cornell");
         config.note_recent("a b.glb");
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_file_is_a_warning() {
+    fn a_broken_config_file_gives_a_warning_and_defaults() {
         for text in ["", "{", "3", "{\"window\": \"wide\"}", "\u{0}"] {
             let config = Config::read(text, Some(&"window.json".into()));
             assert!(
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_command_line_asks_for_once_is_not_kept() {
+    fn command_line_overrides_are_not_saved_unless_changed() {
         let mut config = Config::default();
         config.settings.insert("bounces".to_owned(), "2".to_owned());
         config.once.values.insert("bounces", "5".to_owned());
@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn few_scenes_are_remembered() {
+    fn the_list_of_recent_scenes_is_bounded() {
         let mut config = Config::default();
         for number in 0..30 {
             config.note_recent(&number.to_string());

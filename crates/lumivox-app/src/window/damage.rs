@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_changes_where_frames_are_the_same() {
+    fn identical_frames_need_no_repaint() {
         let frame = [filled(&[(rect(0.0, 0.0), Color32::RED)])];
         assert!(parts(&frame, &frame, &[]).is_empty());
         assert_eq!(parts(&[], &frame, &[]), [rect(0.0, 0.0)]);
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn a_button_that_changes_is_the_part() {
+    fn only_the_changed_rectangle_is_repainted() {
         let bar = |color| filled(&[(rect(0.0, 0.0), Color32::RED), (rect(50.0, 0.0), color)]);
         let side = filled(&[(rect(0.0, 50.0), Color32::GREEN)]);
         let before = [bar(Color32::RED), side.clone()];
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_do_not_overlap() {
+    fn repainted_rectangles_do_not_overlap() {
         let few = disjoint(vec![rect(0.0, 0.0), rect(100.0, 0.0), rect(5.0, 5.0)]);
         assert_eq!(few.len(), 2);
         assert!(few.contains(&rect(0.0, 0.0).union(rect(5.0, 5.0))), "{few:?}");
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_is_painted_by_what_it_cuts() {
+    fn a_rectangle_is_painted_by_the_primitives_it_overlaps() {
         let frame = [rect(0.0, 0.0), rect(100.0, 0.0)].map(|rect| filled(&[(rect, Color32::RED)]));
         let cut = cut(&frame, rect(5.0, 5.0));
         assert_eq!(cut.len(), 2, "the ground and one of two");

@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_go_through_what_is_projected() {
+    fn the_ray_of_a_projected_point_hits_it() {
         let view = view();
         let point = Vec3::new(0.3, -0.2, 1.5);
         let (eye, ray) = view.ray(view.project(point).unwrap());
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ring_turns_by_the_angle_that_the_pointer_goes() {
+    fn a_ring_rotates_by_the_angle_of_the_drag() {
         let view = view();
         let at = |deg: f32| {
             let (sin, cos) = deg.to_radians().sin_cos();

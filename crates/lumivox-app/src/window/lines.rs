@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_somebody_typed_is_done_as_it_was_typed() {
+    fn typed_lines_are_never_coalesced() {
         let line = |origin| Line { text: "bounces 1".to_owned(), origin, serial: 1, gesture: 0 };
         assert!(line(Origin::Panel).target().is_some());
         for origin in [Origin::Pane, Origin::Terminal, Origin::Script] {
@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     #[cfg(unix)]
-    fn shells_give_words_back() {
+    fn shell_quoting_round_trips_words() {
         for word in ["plain", "it's", "a \"b\" $HOME `x` \\ c", "", "*", "#5", "a;b", "'"] {
             let command = format!("printf %s {}", shell_quoted(word));
             let output = std::process::Command::new("sh").args(["-c", &command]).output().unwrap();

@@ -338,7 +338,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_go_to_their_stages() {
+    fn pass_times_are_added_to_their_stages() {
         let mut time = FrameTime::default();
         time.add("trace", 2.0);
         time.add("trace", 1.0);
@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn boxes_follow_their_objects() {
+    fn object_bounds_follow_the_transform() {
         let object = ObjectModel {
             name: String::new(),
             is_hidden: false,

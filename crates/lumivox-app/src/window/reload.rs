@@ -113,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_are_found_through_files() {
+    fn files_referenced_by_a_scene_are_found() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         std::fs::create_dir(at("tex")).unwrap();
@@ -131,7 +131,7 @@ mod tests {
 
     /// A scene cannot make the window read arbitrary files.
     #[test]
-    fn files_outside_are_looked_at_only_where_they_may_be_named() {
+    fn files_outside_the_folder_are_watched_only_if_allowed() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         for name in ["inner", "scenes", "models"] {
@@ -157,7 +157,7 @@ mod tests {
 
     /// All changes are queued before the thread starts, so that timing does not matter.
     #[test]
-    fn changes_that_follow_each_other_are_reported_once() {
+    fn a_burst_of_changes_is_reported_once() {
         let (sender, changes) = mpsc::channel();
         for _ in 0..3 {
             sender.send(()).unwrap();

@@ -191,7 +191,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_texture_that_somebody_holds_is_not_given_again() {
+    fn a_texture_in_use_is_not_reused() {
         let gpu = pollster::block_on(Gpu::new(&lumivox_render::GpuOptions::default())).unwrap();
         let size = |width| wgpu::Extent3d { width, height: 4, depth_or_array_layers: 1 };
         let mut screen = Screen::default();

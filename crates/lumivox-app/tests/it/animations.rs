@@ -30,7 +30,7 @@ fn index(folder: &Path, file: &str) -> Value {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn one_moment_of_an_animation_is_a_still() {
+fn the_time_option_renders_one_moment() {
     let folder = moving();
     let still = |options: &str| still(folder.path(), options);
     let rest = still("");
@@ -83,7 +83,7 @@ fn a_sequence_plays_the_animation_in_one_grid() {
 /// With history, a sequence is rendered frame by frame, and a resumed run gives the same pictures.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_film_of_an_animation_goes_on_with_the_same_bits() {
+fn a_resumed_animation_with_history_gives_the_same_bits() {
     let folder = moving();
     let path = folder.path();
     let line = "render moving.glb -o film_#.png --size 32x18 --frames 2 --resolution 32 \
@@ -104,7 +104,7 @@ fn a_film_of_an_animation_goes_on_with_the_same_bits() {
 /// folder.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn ranges_of_pictures_are_those_of_one_machine() {
+fn ranges_rendered_separately_match_the_whole_sequence() {
     let folder = moving();
     let path = folder.path();
     let line = format!("render moving.glb {SMALL} --time 0..2 --fps 2 --orbit 30 --json");
@@ -150,7 +150,7 @@ fn the_grid_holds_all_poses() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn an_open_range_and_a_pattern_alone_play_all_of_it() {
+fn a_file_pattern_or_open_time_range_plays_everything() {
     let folder = moving();
     // Only the number of pictures matters; a fixed exposure needs no metering.
     let quick = SMALL.replace("--resolution 32", "--resolution 16 --exposure 0");

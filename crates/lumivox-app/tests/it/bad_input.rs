@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::common::{CORNER, GPU, INPUT, OUTPUT, USAGE, container, expect_error, folder, glb};
 
 #[test]
-fn broken_scenes() {
+fn broken_scene_files_are_refused() {
     let folder = folder();
     let file = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).unwrap();
     let good = glb(&CORNER);
@@ -46,7 +46,7 @@ fn broken_scenes() {
 }
 
 #[test]
-fn unknown_names() {
+fn unknown_names_are_refused_with_the_known_ones() {
     let folder = folder();
     let path = folder.path();
     let known = ["\"nowhere\"", "cornell", "atrium"];
@@ -65,7 +65,7 @@ fn unknown_names() {
 }
 
 #[test]
-fn values_out_of_range() {
+fn option_values_out_of_range_are_refused() {
     let folder = folder();
     for (option, value, needle) in [
         ("--size", "0x0", "from 1 to 32768"),
@@ -107,7 +107,7 @@ fn values_out_of_range() {
 }
 
 #[test]
-fn mistakes_of_usage() {
+fn usage_errors_name_the_wrong_argument() {
     let folder = folder();
     let path = folder.path();
     for (line, needle) in [
@@ -127,7 +127,7 @@ fn mistakes_of_usage() {
 }
 
 #[test]
-fn more_than_the_gpu_holds() {
+fn requests_beyond_gpu_limits_name_the_limit() {
     let folder = folder();
     let line = "render builtin:cornell -o a.png --portable --size 16384x16";
     let needles = ["max_texture_dimension_2d", "16384x16", "at most 8192x8192"];
@@ -142,7 +142,7 @@ fn more_than_the_gpu_holds() {
 }
 
 #[test]
-fn places_that_cannot_be_written() {
+fn unwritable_outputs_are_refused_before_loading() {
     let folder = folder();
     fs::write(folder.path().join("file"), "").unwrap();
     fs::create_dir(folder.path().join("folder.png")).unwrap();
@@ -161,7 +161,7 @@ fn places_that_cannot_be_written() {
 
 #[cfg(unix)]
 #[test]
-fn a_folder_without_permission() {
+fn a_read_only_output_folder_is_refused() {
     use std::os::unix::fs::PermissionsExt as _;
     let folder = folder();
     let locked = folder.path().join("locked");

@@ -43,7 +43,7 @@ fn probes_in_a_furnace_see_its_light_from_all_sides() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn the_side_of_a_red_wall_is_red() {
+fn probe_sides_facing_a_red_wall_are_red() {
     let folder = folder();
     let path = folder.path();
     let line = "bake builtin:cornell -o box.ktx2 --spacing 0.5 --json";
@@ -72,7 +72,7 @@ fn the_side_of_a_red_wall_is_red() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn bad_bake_options_are_refused() {
     let folder = folder();
     let path = folder.path();
     let long = "--box 0,0,0,1,1,400 --spacing 0.5";

@@ -47,7 +47,7 @@ fn check_tables(page: &str) -> usize {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_measurement_tells_the_machine_and_every_stage() {
+fn a_benchmark_reports_the_machine_and_every_stage() {
     let folder = folder();
     let line = format!("{SMALLEST} --scene builtin:cornell --volumes dense --json a.json -o a.md");
     let run = lumivox(folder.path(), &line).expect_ok();
@@ -97,7 +97,7 @@ fn a_measurement_tells_the_machine_and_every_stage() {
 }
 
 #[test]
-fn a_case_that_does_not_fit_is_a_row_that_says_why() {
+fn cases_that_do_not_fit_are_listed_with_reason() {
     let folder = folder();
     let line = "bench --scene builtin:cornell --resolutions 1024 --volumes dense --presets fast \
                 --sizes 32x18 --frames 3 --portable --json -";
@@ -118,7 +118,7 @@ fn a_case_that_does_not_fit_is_a_row_that_says_why() {
 }
 
 #[test]
-fn what_cannot_be_measured_at_all_is_refused() {
+fn invalid_benchmark_options_are_refused() {
     let folder = folder();
     let path = folder.path();
     expect_error(path, "bench -o a.txt", INPUT, &["a.txt", ".md"]);

@@ -156,7 +156,7 @@ fn a_voxelizer_is_chosen() {
 }
 
 #[test]
-fn info_tells_what_is_hidden_and_what_is_not_voxelized() {
+fn info_counts_hidden_and_unvoxelized_instances() {
     let folder = folder();
     let text = "scene { model { primitive = cube } model { primitive = cube active = false } \
                 model { primitive = cube static = true } model { primitive = cube static = true } }";
@@ -235,7 +235,7 @@ fn a_file_is_rendered_under_every_kind_of_light() {
 /// Pictures stop at little noise unless `--frames` is given, also in a sequence.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn pictures_stop_at_little_noise() {
+fn rendering_stops_when_noise_is_low() {
     let folder = folder();
     let path = folder.path();
     let render = |options: &str| {
@@ -259,7 +259,7 @@ fn pictures_stop_at_little_noise() {
 }
 
 #[test]
-fn the_voxels_can_be_seen() {
+fn render_can_show_the_voxels() {
     let folder = folder();
     let line = "render builtin:panel -o a.png --size 32x18 --frames 1 --resolution 16 \
                 --view voxels --level 1 --camera framing --isotropic --portable --json";
@@ -270,7 +270,7 @@ fn the_voxels_can_be_seen() {
 }
 
 #[test]
-fn voxels_tell_what_an_octree_is_made_of() {
+fn voxels_reports_octree_nodes_and_bricks() {
     let folder = folder();
     let line = "voxels builtin:cornell --resolution 32 --volume octree --octree-builder";
     let report = lumivox(folder.path(), &format!("{line} locks --json")).expect_ok().json();
@@ -297,7 +297,7 @@ fn a_scene_without_models_has_no_infinite_bounds() {
 
 /// VXCT's parameters, and its way to name scenes.
 #[test]
-fn the_look_takes_its_parameters() {
+fn the_vxct_preset_accepts_vxct_parameters() {
     let folder = folder();
     fs::create_dir(folder.path().join("scenes")).unwrap();
     let text = "scene { model { primitive = cube } light { position { x = 1 y = 1 z = 2 } } }";

@@ -57,7 +57,7 @@ fn screens_are_compared_in_linear_light_and_drawn() {
 }
 
 #[test]
-fn what_cannot_be_compared_says_why() {
+fn errors_say_why_pictures_cannot_be_compared() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     png(&at("a.png"), 4, 3, &[188]);

@@ -74,7 +74,7 @@ fn assert_run_is_shown(run: &Run) {
 const SMALL: &str = "--size 16x9 --frames 1 --resolution 16 --shadow-resolution 64";
 
 #[test]
-fn names_reach_the_terminal_as_text() {
+fn names_in_scenes_are_escaped_for_the_terminal() {
     let folder = folder();
     let path = folder.path();
     fs::write(path.join("evil.glb"), evil_glb()).unwrap();
@@ -104,7 +104,7 @@ fn names_reach_the_terminal_as_text() {
 }
 
 #[test]
-fn json_has_the_names_as_they_are() {
+fn json_output_keeps_names_unchanged() {
     let folder = folder();
     fs::write(folder.path().join("evil.glb"), evil_glb()).unwrap();
     let run = lumivox(folder.path(), "info evil.glb --json").expect_ok();
@@ -126,7 +126,7 @@ fn json_has_the_names_as_they_are() {
 }
 
 #[test]
-fn the_console_names_things_so_that_it_can_read_them_again() {
+fn names_printed_by_the_console_can_be_read_back() {
     let folder = folder();
     let path = folder.path();
     fs::write(path.join("evil.glb"), evil_glb()).unwrap();
@@ -150,7 +150,7 @@ fn the_console_names_things_so_that_it_can_read_them_again() {
 
 #[cfg(unix)]
 #[test]
-fn names_of_files_reach_the_terminal_as_text() {
+fn file_names_are_escaped_for_the_terminal() {
     use crate::common::process;
     let folder = folder();
     let path = folder.path();

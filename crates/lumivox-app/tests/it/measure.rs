@@ -57,7 +57,7 @@ fn points_read_the_inverse_square_of_their_lamp() {
 
 /// A strip above a floor, near zero and in UTM coordinates.
 #[test]
-fn points_have_the_coordinates_of_their_file() {
+fn points_use_the_coordinates_of_the_scene_file() {
     let folder = folder();
     let path = folder.path();
     let place = |at: [f64; 3], far: f64| {
@@ -92,7 +92,7 @@ fn points_have_the_coordinates_of_their_file() {
 /// programs place it.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_lamp_in_the_plane_of_a_ceiling_lights_the_room_by_every_method() {
+fn every_method_lights_a_room_with_a_flush_lamp() {
     let folder = folder();
     let path = folder.path();
     for height in [2.0_f32, 2.0_f32.next_up(), 2.0_f32.next_down()] {
@@ -125,7 +125,7 @@ fn a_lamp_in_the_plane_of_a_ceiling_lights_the_room_by_every_method() {
 /// A block of a metre on 10 km of ground: a texel of the sun's map is as large as a house.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn shade_that_shadow_maps_lose_is_told() {
+fn shadows_finer_than_the_shadow_map_are_reported() {
     let folder = folder();
     let path = folder.path();
     let far = 5000.0;
@@ -151,7 +151,7 @@ fn shade_that_shadow_maps_lose_is_told() {
 }
 
 #[test]
-fn a_workplane_is_a_table_an_object_and_a_picture() {
+fn a_workplane_is_written_as_csv_json_and_png() {
     let folder = folder();
     let path = folder.path();
     floor(path);
@@ -217,7 +217,7 @@ fn pictures_and_rays_read_luminance() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn bad_measure_options_are_refused() {
     let folder = folder();
     let path = folder.path();
     fs::write(path.join("p.csv"), "x,y,z\n0,0,0\n0,nan,0\n").unwrap();

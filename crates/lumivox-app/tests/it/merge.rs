@@ -14,7 +14,7 @@ fn read(folder: &Path, name: &str) -> Vec<u8> {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn parts_add_up_to_the_bytes_of_one_run_whatever_their_order() {
+fn merged_parts_equal_one_run_in_any_order() {
     let folder = folder();
     let path = folder.path();
     lumivox(path, &format!("{SMALL} -o whole.exr --samples 64")).expect_ok();
@@ -42,7 +42,7 @@ fn parts_add_up_to_the_bytes_of_one_run_whatever_their_order() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn parts_that_do_not_fit_are_named() {
+fn incompatible_parts_are_refused_by_name() {
     let folder = folder();
     let path = folder.path();
     for (options, part) in [
@@ -78,7 +78,7 @@ fn parts_that_do_not_fit_are_named() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn bad_part_and_merge_options_are_refused() {
     let folder = folder();
     let path = folder.path();
     fs::write(path.join("corner.glb"), glb(&CORNER)).unwrap();

@@ -17,7 +17,7 @@ fn command_through(program: &str, folder: &std::path::Path) -> std::process::Com
 const SMALL: [&str; 6] = ["--size", "16x9", "--frames", "1", "--resolution", "16"];
 
 #[test]
-fn it_ends_with_the_code_of_what_went_wrong() {
+fn exit_codes_match_the_kind_of_error() {
     let folder = folder();
     for (line, code) in [
         ("scenes", 0),
@@ -45,7 +45,7 @@ fn help_goes_to_stdout() {
 }
 
 #[test]
-fn commands_come_over_a_pipe() {
+fn run_reads_commands_from_stdin() {
     let folder = folder();
     let mut words = vec!["run", "-", "--scene", "builtin:cornell"];
     words.extend(SMALL);
@@ -60,7 +60,7 @@ fn commands_come_over_a_pipe() {
 /// As in `lumivox help render | head`.
 #[cfg(unix)]
 #[test]
-fn a_reader_that_goes_away_is_no_error() {
+fn a_closed_stdout_is_not_an_error() {
     for words in [["help", "render"], ["commands", "--markdown"], ["info", "builtin:cornell"]] {
         let mut child = command(folder().path(), &words)
             .stdin(Stdio::null())
@@ -93,7 +93,7 @@ fn without_a_gpu_it_says_what_to_do() {
 /// A full or closed stderr does not change the exit code.
 #[cfg(target_os = "linux")]
 #[test]
-fn messages_that_cannot_be_written_are_no_failure() {
+fn an_unwritable_stderr_does_not_change_the_exit_code() {
     let folder = folder();
     fs::write(folder.path().join("corner.glb"), glb(&CORNER)).unwrap();
     let render = ["render", "corner.glb", "-o", "a.png", "-v"];
@@ -121,7 +121,7 @@ fn messages_that_cannot_be_written_are_no_failure() {
 /// while it builds.
 #[cfg(target_os = "linux")]
 #[test]
-fn the_launcher_goes_on_when_nobody_can_hear_it() {
+fn the_launcher_works_without_a_writable_stderr() {
     use std::os::unix::fs::{PermissionsExt as _, symlink};
     let folder = folder();
     let (tools, built) = (folder.path().join("tools"), folder.path().join("target/release"));
@@ -151,7 +151,7 @@ fn the_launcher_goes_on_when_nobody_can_hear_it() {
 /// desktop.
 #[cfg(target_os = "linux")]
 #[test]
-fn without_a_desktop_nothing_complains() {
+fn without_a_desktop_nothing_is_printed_to_stderr() {
     let folder = folder();
     let mut command = command(folder.path(), &["info"]);
     for name in
@@ -166,7 +166,7 @@ fn without_a_desktop_nothing_complains() {
 
 /// Needs a process: the library ignores the log's environment variable.
 #[test]
-fn the_log_is_as_loud_as_the_environment_asks() {
+fn rust_log_sets_the_log_level() {
     let folder = folder();
     fs::write(folder.path().join("corner.glb"), glb(&CORNER)).unwrap();
     let said = |filter: &str| {

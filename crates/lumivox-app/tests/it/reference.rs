@@ -71,7 +71,7 @@ fn a_screen_picture_is_written_too() {
 }
 
 #[test]
-fn a_run_in_two_parts_gives_the_same_bytes() {
+fn a_resumed_run_gives_the_bytes_of_one_run() {
     let folder = folder();
     let path = folder.path();
     let run = |rest: &str| lumivox(path, &format!("{SMALL} {rest} --json")).expect_ok().json();
@@ -93,7 +93,7 @@ fn a_run_in_two_parts_gives_the_same_bytes() {
 }
 
 #[test]
-fn checkpoints_of_something_else_are_refused() {
+fn checkpoints_of_other_runs_are_refused() {
     let folder = folder();
     let path = folder.path();
     lumivox(path, &format!("{SMALL} -o a.exr --samples 16 --checkpoint sums")).expect_ok();
@@ -115,7 +115,7 @@ fn checkpoints_of_something_else_are_refused() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn bad_reference_options_are_refused() {
     let folder = folder();
     let path = folder.path();
     fs::write(path.join("corner.glb"), glb(&CORNER)).unwrap();
@@ -172,7 +172,7 @@ fn interrupted(folder: &Path, line: &str) -> Run {
 /// noise of one that was never stopped.
 #[cfg(unix)]
 #[test]
-fn an_interrupted_run_can_be_gone_on_with_as_if_it_had_not_been() {
+fn an_interrupted_run_resumes_with_the_same_bits() {
     let folder = folder();
     let path = folder.path();
     let many = format!("{SMALL} -v -o a.exr --samples 16777216 --checkpoint sums --json");

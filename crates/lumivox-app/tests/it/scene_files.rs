@@ -11,7 +11,7 @@ use crate::common::{
 const SMALL: &str = "--size 32x18 --frames 1 --resolution 16 --shadow-resolution 64";
 
 #[test]
-fn a_scene_is_told_whole() {
+fn info_json_describes_the_whole_scene() {
     let folder = folder();
     fs::write(folder.path().join("moving.glb"), moving_glb()).unwrap();
     let report =
@@ -59,7 +59,7 @@ fn one_of_several_scenes_is_chosen() {
 }
 
 #[test]
-fn units_and_axes_are_the_files() {
+fn unit_and_up_options_change_the_bounds() {
     let folder = folder();
     fs::write(folder.path().join("corner.glb"), glb(&CORNER)).unwrap();
     let bounds = |options: &str| {
@@ -80,7 +80,7 @@ fn units_and_axes_are_the_files() {
 }
 
 #[test]
-fn files_elsewhere_are_read_when_allowed() {
+fn files_outside_the_folder_need_allow_outside() {
     let folder = folder();
     let path = folder.path();
     fs::create_dir(path.join("scene")).unwrap();
@@ -107,7 +107,7 @@ fn files_elsewhere_are_read_when_allowed() {
 }
 
 #[test]
-fn options_of_files_are_checked() {
+fn invalid_scene_file_options_are_refused() {
     let folder = folder();
     fs::write(folder.path().join("corner.glb"), glb(&CORNER)).unwrap();
     for (line, code, needles) in [
@@ -138,7 +138,7 @@ fn panorama(width: usize, rgbe: [u8; 4]) -> Vec<u8> {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn surroundings_come_from_numbers_files_and_the_sky() {
+fn surroundings_can_be_radiance_a_file_or_sky() {
     let folder = folder();
     let path = folder.path();
     fs::write(path.join("corner.glb"), glb(&CORNER)).unwrap();
@@ -180,7 +180,7 @@ fn surroundings_come_from_numbers_files_and_the_sky() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn dark_scenes_are_lit_unless_they_shall_stay_dark() {
+fn dark_scenes_are_lit_unless_disabled() {
     let folder = folder();
     let path = folder.path();
     let document = json!({

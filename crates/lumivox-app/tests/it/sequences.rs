@@ -79,7 +79,7 @@ fn the_first_picture_of_an_orbit_is_the_still() {
 }
 
 #[test]
-fn what_is_there_stays_and_what_is_missing_is_made_the_same() {
+fn only_missing_pictures_are_rendered_again_with_same_bits() {
     let folder = folder();
     let line = format!("render builtin:cornell -o turn {SMALL} {ORBIT}");
     lumivox(folder.path(), &line).expect_ok();
@@ -112,7 +112,7 @@ fn what_is_there_stays_and_what_is_missing_is_made_the_same() {
 /// if rendered on its own.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_film_goes_on_with_the_same_bits() {
+fn a_resumed_film_with_history_has_the_same_bits() {
     let folder = folder();
     let path = folder.path();
     let small = SMALL.replace("--frames 1", "--frames 2");
@@ -167,7 +167,7 @@ fn a_film_of_single_frames_has_smooth_edges() {
 /// If the settings keep no light of earlier frames, there is no history, and nothing is rendered
 /// again.
 #[test]
-fn pictures_without_light_of_earlier_frames_have_no_history() {
+fn without_temporal_settings_no_frame_is_rendered_again() {
     let folder = folder();
     let path = folder.path();
     let line = format!("render builtin:cornell -o a_#.exr {SMALL} {ORBIT} --json");
@@ -213,7 +213,7 @@ const FORTY: &str = "render builtin:cornell -o turn --size 32x18 --frames 1 --re
 #[cfg(unix)]
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_sequence_that_is_stopped_can_be_gone_on_with() {
+fn an_interrupted_sequence_can_be_resumed() {
     let folder = folder();
     let child = started(folder.path(), "0002.png");
     interrupt(&child);
@@ -264,7 +264,7 @@ fn a_second_process_is_refused_until_the_first_has_ended() {
 }
 
 #[test]
-fn a_path_leads_the_camera() {
+fn a_camera_path_file_moves_the_camera() {
     let folder = folder();
     write_path(
         folder.path(),
@@ -310,7 +310,7 @@ fn each_picture_may_find_its_own_exposure() {
 }
 
 #[test]
-fn what_does_not_fit_together_is_refused() {
+fn conflicting_sequence_options_are_refused() {
     let folder = folder();
     let path = folder.path();
     fs::write(path.join("file"), "").unwrap();

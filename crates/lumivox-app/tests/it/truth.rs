@@ -42,7 +42,7 @@ fn a_scene_is_compared_with_its_truth() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn leaks_are_told_where_nothing_else_can_be() {
+fn a_black_reference_reports_only_the_leak() {
     let folder = folder();
     let line = format!("compare builtin:two-rooms-closed {SMALL} --json");
     let report = lumivox(folder.path(), &line).expect_ok().json();
@@ -55,7 +55,7 @@ fn leaks_are_told_where_nothing_else_can_be() {
 }
 
 #[test]
-fn what_to_compare_must_be_said_once() {
+fn compare_needs_either_a_scene_or_images() {
     let folder = folder();
     expect_error(folder.path(), "compare", USAGE, &["SCENE"]);
     let both = "compare builtin:cornell --images a.exr b.exr";

@@ -5,7 +5,7 @@ use std::fs;
 use crate::common::{GPU, INPUT, USAGE, expect_error, folder, lumivox, names};
 
 #[test]
-fn a_picture_from_an_octree_tells_what_it_took() {
+fn rendering_from_an_octree_reports_its_memory() {
     let folder = folder();
     let line = "render builtin:cornell -o a.png --size 40x30 --resolution 32 --frames 1 \
                 --bounces 1 --volume octree --octree-builder locks --json";
@@ -17,7 +17,7 @@ fn a_picture_from_an_octree_tells_what_it_took() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_numbers_and_a_remedy() {
+fn impossible_volume_settings_are_refused_with_a_remedy() {
     let folder = folder();
     let render = "render builtin:cornell -o a.png --size 40x30 --resolution 64 --frames 1";
     let small = format!("{render} --volume octree --volume-memory 1MiB");

@@ -222,7 +222,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_restore_every_field_of_every_kind() {
+    fn printed_words_restore_every_light_field() {
         for kind in LightKind::ALL {
             let mut light = Light::typical(kind);
             light.attenuation = Some(lumivox_scene::Attenuation::default());

@@ -180,7 +180,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_indices_and_positions_are_told_apart() {
+    fn camera_names_indices_and_positions_are_distinguished() {
         assert_eq!(camera("front"), Ok(CameraChoice::Name("front".to_owned())));
         assert_eq!(camera("left, upper"), Ok(CameraChoice::Name("left, upper".to_owned())));
         assert_eq!(camera("2"), Ok(CameraChoice::Index(2)));
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_and_inside_are_where_they_say() {
+    fn inside_and_outside_cameras_are_placed_accordingly() {
         let named = |name: &str, scene: &Scene| {
             resolve(Some(&CameraChoice::Name(name.to_owned())), scene, 1.5)
         };

@@ -98,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_sun_shines_from_where_it_is() {
+    fn sun_takes_the_direction_towards_the_sun() {
         let light = sun("0,2,0").unwrap();
         assert_eq!(light.direction, Vec3::NEG_Y);
         assert_eq!((light.kind, light.intensity), (LightKind::Directional, 100_000.0));
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_light_is_refused() {
+    fn invalid_sun_and_environment_values_are_refused() {
         for text in ["0,0,0", "0,1,0,-5", "0,1,0,1e11", "nan,1,0", "0,inf,0"] {
             assert!(matches!(sun(text), Err(Refused::OutOfRange(_))), "{text}");
         }
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn surroundings_may_be_files() {
+    fn environment_accepts_panorama_files() {
         for name in ["a.hdr", "b/c.EXR", "d.jpg"] {
             assert_eq!(environment(name), Ok(Surroundings::File(name.into())));
         }
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sun_of_a_sky_stands_by_vector_or_by_angles() {
+    fn sky_takes_the_sun_as_vector_or_angles() {
         assert_eq!(sky("0,5,0"), Ok(Vec3::Y));
         assert!(sky("90,77").unwrap().distance(Vec3::Y) < 1e-6);
         assert!(sky("0,0").unwrap().distance(Vec3::NEG_Z) < 1e-6);

@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn units_are_lengths() {
+    fn unit_accepts_names_and_positive_lengths() {
         assert_eq!(unit("mm"), Ok(0.001));
         assert_eq!(unit("in"), Ok(0.0254));
         assert_eq!(unit("2.5"), Ok(2.5));
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_have_units() {
+    fn byte_sizes_accept_decimal_and_binary_units() {
         for (power, [tens, twos]) in
             (1..).zip([["kB", "KiB"], ["MB", "MiB"], ["GB", "GiB"], ["TB", "TiB"]])
         {

@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_rise() {
+    fn ranges_must_rise_and_stay_in_bounds() {
         let batches = range(1 << 20);
         assert_eq!(batches("0..4"), Ok(0..4));
         assert_eq!(batches("16 .. 1048576"), Ok(16..1_048_576));
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn resolutions_are_those_of_the_grid() {
+    fn accepted_resolutions_match_those_of_the_grid() {
         assert_eq!(resolution("16"), Ok(16));
         assert_eq!(resolution("1024"), Ok(1024));
         for text in ["7", "0", "100000", "130", "1032", "-128"] {
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_are_three_within_a_turn() {
+    fn rotation_takes_three_angles_within_360_degrees() {
         assert_eq!(angles("-30,0,360"), Ok(glam::Vec3::new(-30.0, 0.0, 360.0)));
         is_out_of_range(angles("0,361,0"), "from -360 to 360");
         is_malformed(&angles("30"));

@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_are_two_numbers_of_pixels() {
+    fn sizes_parse_as_width_and_height() {
         assert_eq!(size("640x360"), Ok(UVec2::new(640, 360)));
         assert_eq!(size("1X32768"), Ok(UVec2::new(1, 32_768)));
         for text in ["0x0", "0x5", "5x0", "100000x100000", "99999999999999x1", "32769x1", "-1x5"] {

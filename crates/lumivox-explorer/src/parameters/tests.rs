@@ -12,7 +12,7 @@ fn values(kind: Kind) -> Vec<Value> {
 }
 
 #[test]
-fn names_are_unique_and_groups_stand_together() {
+fn parameter_names_are_unique_and_groups_contiguous() {
     let names: Vec<_> = PARAMETERS.iter().flat_map(Parameter::names).collect();
     let mut sorted = names.clone();
     sorted.sort_unstable();
@@ -25,7 +25,7 @@ fn names_are_unique_and_groups_stand_together() {
 }
 
 #[test]
-fn what_is_set_in_a_classic_is_what_is_got_and_changes_nothing_else() {
+fn classic_parameters_read_back_and_change_nothing_else() {
     for (parameter, _) in classics::rows() {
         let defaults = RenderSettings::default();
         let mut settings = defaults.clone();
@@ -59,7 +59,7 @@ fn presets_are_found_by_their_names() {
 
 /// Whatever the settings were, the preset decides what is its own.
 #[test]
-fn presets_do_not_depend_on_what_was_before() {
+fn presets_do_not_depend_on_earlier_settings() {
     let scene = lumivox_scene::builtin::scene("cornell").unwrap();
     let fresh = RenderSettings::default();
     for before in PRESETS {

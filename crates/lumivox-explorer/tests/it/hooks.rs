@@ -90,7 +90,7 @@ fn cones_out_of_range_are_refused_by_their_names() {
 /// builder with locks has counts.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn locks_give_the_bits_of_ranks() {
+fn pictures_are_equal_for_lock_and_rank_builders() {
     let gpu = gpu();
     let of = |builder: &str| {
         let mut settings = RenderSettings { frames: 3, shadow_resolution: 512, ..small() };
@@ -112,7 +112,7 @@ fn locks_give_the_bits_of_ranks() {
 /// A dense volume has no nodes: choosing one, by name or by a preset, removes the builder of the
 /// nodes.
 #[test]
-fn the_builder_goes_with_the_octree() {
+fn choosing_a_dense_volume_removes_the_octree_builder() {
     let mut settings = small();
     take(&mut settings, "octree_builder", "locks");
     assert!(matches!(settings.volume, lumivox::VolumeKind::Octree));
@@ -129,7 +129,7 @@ fn the_builder_goes_with_the_octree() {
 /// compile.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_second_round_asks_for_nothing_new() {
+fn repeating_settings_compiles_no_new_pipelines() {
     let gpu = own_gpu();
     let mut renderer = renderer(&gpu, &builtin("cornell"), small());
     let mut go_round = || {

@@ -48,7 +48,7 @@ fn with_spot(mut scene: Scene) -> Scene {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn photons_bring_the_light_that_the_direct_evaluation_finds() {
+fn photons_give_the_light_of_direct_evaluation() {
     let gpu = gpu();
     // llvmpipe: -0.7, +0.2 and 0.0 % of the reflected light; -2.3, -0.7 and 0.0 % of the indirect
     // light.

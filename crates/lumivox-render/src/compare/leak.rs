@@ -37,7 +37,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_is_too_bright_leaks() {
+    fn leak_counts_only_pixels_that_are_too_bright() {
         let lit = grey([5.0, 15.0, 10.0]);
         // One of four pixels is 0.4 too bright: 0.1 on average, against a mean of 10 in the lit
         // room.
@@ -50,7 +50,7 @@ mod tests {
     }
 
     #[test]
-    fn the_lit_room_must_be_lit() {
+    fn leak_needs_a_lit_reference_room() {
         let dark = grey([0.0]);
         let error = leak_percent(&dark, &dark, &dark).expect_err("no light to leak");
         assert!(matches!(error, CompareError::Black { .. }), "{error}");

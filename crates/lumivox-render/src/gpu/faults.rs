@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_thread_that_asks_hears_of_its_own_errors_alone() {
+    fn a_thread_gets_only_its_own_errors() {
         let faults = &Faults::default();
         let ((failed, has_failed), (go_on, may_go_on)) = (channel(), channel());
         thread::scope(move |scope| {
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_of_threads_that_do_not_ask_are_heard_by_the_next_that_does() {
+    fn uncollected_errors_go_to_the_next_asking_thread() {
         let faults = Faults::default();
         thread::scope(|scope| {
             let helper = scope.spawn(|| faults.keep("a helper's".to_owned()));
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lost_device_is_told_to_every_thread() {
+    fn every_thread_learns_of_a_lost_device() {
         let faults = Faults::default();
         faults.keep("an error".to_owned());
         faults.lose("lost".to_owned());

@@ -369,7 +369,7 @@ mod tests {
     }
 
     #[test]
-    fn a_callers_device_is_heard() {
+    fn loss_of_a_callers_device_is_noticed() {
         let own = own_gpu();
         let descriptor = wgpu::DeviceDescriptor::default();
         let (device, queue) = pollster::block_on(own.adapter.request_device(&descriptor)).unwrap();
@@ -382,7 +382,7 @@ mod tests {
     }
 
     #[test]
-    fn a_refused_command_becomes_an_error() {
+    fn validation_errors_are_returned_by_check() {
         let gpu = own_gpu();
         assert!(gpu.check("testing").is_ok());
         let _ = gpu.device.create_buffer(&wgpu::BufferDescriptor {

@@ -28,7 +28,7 @@ fn probes_are_in_the_middles_of_cells() {
 }
 
 #[test]
-fn a_file_holds_each_probe_and_direction_where_bevy_looks() {
+fn probes_and_directions_follow_bevys_file_layout() {
     let irradiance: Vec<[Vec3; 6]> = (0..24).map(numbered).collect();
     let volume = IrradianceVolume::new(grid(), &irradiance, &[false; 24]);
     let (bytes, intensity) = volume.to_ktx2();
@@ -54,7 +54,7 @@ fn a_file_holds_each_probe_and_direction_where_bevy_looks() {
 }
 
 #[test]
-fn what_half_floats_do_not_hold_is_scaled() {
+fn values_beyond_half_floats_are_scaled() {
     let sun = [Vec3::splat(1e6 * std::f32::consts::PI); 6];
     let volume = IrradianceVolume::new(grid(), &[sun; 24], &[false; 24]);
     let (bytes, intensity) = volume.to_ktx2();
@@ -64,7 +64,7 @@ fn what_half_floats_do_not_hold_is_scaled() {
 }
 
 #[test]
-fn buried_probes_take_the_light_of_the_air() {
+fn buried_probes_copy_light_from_free_neighbours() {
     // In the middle of the first layer, and a corner that is found only through it.
     let mut solid = [false; 24];
     (solid[0], solid[1], solid[2]) = (true, true, true);
@@ -78,7 +78,7 @@ fn buried_probes_take_the_light_of_the_air() {
 }
 
 #[test]
-fn places_in_solid_things_are_buried() {
+fn points_inside_solid_objects_count_as_buried() {
     let scene = builtin::scene("cornell").unwrap();
     let (short, tall) = (Vec3::new(0.33, 0.3, 0.4), Vec3::new(-0.33, 0.6, -0.25));
     let (air, above, outside) =

@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn squares_lie_around_the_camera_and_are_finer_the_smaller_they_are() {
+    fn near_shadow_layers_surround_the_camera_and_get_finer() {
         let camera = Vec3::new(20.0, 1.5, -31.0);
         let layers = at(camera, 0.0);
         assert_eq!(layers.len(), 3);
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn small_steps_of_the_camera_leave_the_squares_where_they_are() {
+    fn small_camera_steps_do_not_move_near_shadow_layers() {
         let camera = Vec3::new(20.1, 1.5, -31.2);
         // A quarter of a metre; cells measure two fifths.
         let steps = (0..64).map(|step| at(camera + Vec3::X * 0.004 * step as f32, 0.0)[0]);
@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn from_afar_only_wide_squares_are_drawn() {
+    fn distant_cameras_draw_only_wide_near_shadow_layers() {
         let camera = Vec3::Y * 20.0;
         assert_eq!(at(camera, 19.0).len(), 1);
         assert_eq!(at(camera, 400.0).len(), 0);

@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sun_sees_all_of_the_scene_with_the_near_side_at_greater_depth() {
+    fn the_suns_layer_covers_the_scene_with_reversed_depth() {
         let direction = Vec3::new(0.3, -1.0, 0.2).normalize();
         let layer = parallel_layer(direction, BOUNDS, 256);
         for corner in corners(BOUNDS) {
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn each_face_of_a_point_light_sees_what_lies_in_its_direction() {
+    fn each_point_light_face_covers_its_own_direction() {
         let position = Vec3::new(1.0, 2.0, -0.5);
         let layers = layers_of(&point(position).source, BOUNDS, 256);
         assert_eq!(layers.len(), 6);
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn lights_beyond_the_budget_keep_cones() {
+    fn lights_beyond_the_layer_budget_use_cone_shadows() {
         let mut lights: Vec<Light> = (0..12).map(|i| point(Vec3::splat(i as f32))).collect();
         let layers = assign_layers(&mut lights, BOUNDS, &[], 1024);
         assert_eq!(layers.len(), 60);
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn suns_have_finer_layers_around_small_cascades_where_there_is_room() {
+    fn suns_get_finer_layers_around_small_cascades() {
         let ground = Bounds { min: Vec3::new(-5e3, 0.0, -5e3), max: Vec3::new(5e3, 10.0, 5e3) };
         let grid =
             Grid::cascades(Vec3::new(40.0, 2.0, -7.0), &CascadeOptions::default(), Vec3::ZERO);

@@ -277,7 +277,7 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn boxes_out_of_sight_are_known() {
+    fn boxes_outside_the_frustum_are_culled() {
         let layer = perspective_layer(Vec3::ZERO, Vec3::NEG_Z, 0.7, 0.01, 256);
         let at = |center: Vec3| Bounds { min: center - 0.5, max: center + 0.5 };
         let sides = sides(layer.clip_from_world);

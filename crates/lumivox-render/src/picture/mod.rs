@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_picture_is_the_same_file() {
+    fn writing_a_picture_twice_gives_equal_bytes() {
         let folder = tempfile::tempdir().expect("a folder");
         let size = UVec2::new(64, 400);
         let pixels = 0..size.x * size.y;
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn png_holds_the_screen_and_replaces_what_was_there() {
+    fn png_stores_display_pixels_and_replaces_the_old_file() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("picture.PNG");
         fs::write(&path, "an older picture").expect("writable");
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_names_the_file_and_leaves_nothing() {
+    fn a_failed_write_names_the_file_and_leaves_nothing() {
         let folder = tempfile::tempdir().expect("a folder");
         let missing = folder.path().join("missing").join("picture.png");
         let error = picture().write(&missing).expect_err("no such folder");

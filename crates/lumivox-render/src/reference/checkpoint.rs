@@ -113,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_written_is_read_and_nothing_else() {
+    fn checkpoints_round_trip_and_damaged_ones_are_refused() {
         let size = UVec2::new(3, 2);
         let mut film = Film::new(size);
         film.samples = 12;

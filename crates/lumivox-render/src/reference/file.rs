@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_is_read_to_the_bit() {
+    fn reference_layers_round_trip_through_exr() {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("reference.exr");
         layers().write_exr(&file).expect("written");

@@ -149,7 +149,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_variance_of_the_mean_is_that_of_textbooks() {
+    fn variance_of_the_mean_matches_the_textbook_formula() {
         let grey = |value: f32| PixelRecord { full: [value; 3], ..PixelRecord::default() };
         let variance = |film: &Film| film.variance(2.0, |sums| (sums.full, sums.full_square))[0];
         let mut film = Film::new(UVec2::ONE);
@@ -194,7 +194,7 @@ mod tests {
 
     /// NaN becomes the largest value, and usual pixel values are stored exactly.
     #[test]
-    fn steps_are_finer_than_floats() {
+    fn fixed_point_steps_store_floats_exactly() {
         for value in [1.0_f32, 1.0 / 3.0, 1e-6, 1e-12, 65_504.0, 1e12, -2.5] {
             assert_eq!(number(steps(f64::from(value))) as f32, value);
         }

@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_add_up_in_any_order_and_count_once() {
+    fn parts_merge_in_any_order_and_duplicates_count_once() {
         let whole = merged(&[part(0..9)]).expect("whole");
         assert_eq!(whole.samples, 144);
         let [a, b, c] = [part(0..2), part(2..3), part(3..9)];
@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_that_do_not_fit_are_refused() {
+    fn gaps_overlaps_and_foreign_parts_are_refused() {
         let a = part(0..2);
         let refused = |other: ReferencePart| merged(&[a.clone(), other]).expect_err("refused");
         assert_eq!(refused(part(3..4)), PartError::Missing { batches: 2..3 });
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn files_are_read_as_they_were_written_and_else_refused() {
+    fn part_files_round_trip_and_damaged_ones_are_refused() {
         let part = part(4..6);
         let bytes = part.to_bytes();
         assert_eq!(ReferencePart::from_bytes(&bytes), Ok(part.clone()));

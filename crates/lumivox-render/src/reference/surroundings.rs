@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bright_texels_are_drawn_more_often() {
+    fn texels_are_sampled_in_proportion_to_brightness() {
         let mut map = EnvironmentMap { width: 4, height: 2, ..EnvironmentMap::default() };
         map.rgb = vec![[1.0; 3]; 8];
         map.rgb[1] = [3.0; 3];

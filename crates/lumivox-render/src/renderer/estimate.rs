@@ -294,7 +294,7 @@ mod tests {
     /// Compares with the memory that the renderer reports.
     #[test]
     #[ignore = "slow: over three seconds"]
-    fn what_was_estimated_is_what_is_allocated() {
+    fn estimated_memory_matches_allocated_memory() {
         let gpu = gpu();
         let octree = VolumeKind::Octree;
         let presets = [Preset::Balanced, Preset::Fast, Preset::Realtime];
@@ -346,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn too_much_is_refused_with_numbers() {
+    fn out_of_memory_message_names_scene_parts_and_remedy() {
         let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
         let settings = RenderSettings { resolution: 1024, ..RenderSettings::default() };
         let estimate = MemoryEstimate::new(&scene, &settings).expect("an estimate");

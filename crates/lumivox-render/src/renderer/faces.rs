@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coordinates_are_every_third_bit() {
+    fn coordinates_are_decoded_from_every_third_bit() {
         assert_eq!([0, 1, 2].map(|axis| coordinate(0b110_001, axis)), [1, 2, 2]);
         assert_eq!(coordinate(0x3fff_ffff, 1), 1023);
     }

@@ -236,7 +236,7 @@ mod tests {
     use lumivox::LightSource;
 
     #[test]
-    fn the_largest_texel_is_at_the_far_end() {
+    fn the_largest_shadow_texel_is_at_the_far_end() {
         let bounds = Bounds { min: Vec3::ZERO, max: Vec3::new(3.0, 0.0, 4.0) };
         let layer = |is_perspective, texel_size| ShadowLayer {
             clip_from_world: Mat4::IDENTITY,

@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn every_triangle_survives_packing_and_no_batch_is_too_large() {
+    fn packing_keeps_every_triangle_within_batch_limits() {
         let meshes = [strip(2), strip(40), strip(5)];
         let whole = BatchLimits { vertices: 1000, indices: 3000 };
         let limits = BatchLimits { vertices: 10, indices: 21 };
@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn only_meshes_that_need_all_attributes_pay_for_them() {
+    fn only_meshes_with_extra_attributes_store_them() {
         let plain = Mesh { uvs1: vec![Vec2::Y; 4], colors: vec![Vec4::ONE; 4], ..strip(2) };
         let colored = Mesh { colors: vec![Vec4::new(0.5, 0.0, 1.0, 0.25); 4], ..strip(2) };
         assert_eq!(Attributes::needed(&plain, false), Attributes::Texcoords);
@@ -343,7 +343,7 @@ mod tests {
     }
 
     #[test]
-    fn what_moves_stands_apart_and_changes_no_other_fingerprint() {
+    fn dynamic_meshes_get_their_own_batch_and_fingerprint() {
         let kinds =
             [true, false, true].map(|is_static| BatchKind { is_static, ..BatchKind::default() });
         let limits = BatchLimits { vertices: 1000, indices: 3000 };

@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_dark_stays_dark() {
+    fn a_scene_without_lights_gets_none() {
         let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
         assert_eq!(Lighting::of(&scene).lights, scene.lights);
         let dark = Scene { lights: Vec::new(), ..scene };
@@ -64,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn strengths_are_in_multiples_of_the_unit() {
+    fn light_strengths_are_divided_by_the_unit() {
         let scene = lumivox_scene::builtin::scene("atrium").expect("a scene");
         let lights = Lighting::of(&scene).to_gpu(64.0);
         let LightSource::Directional { irradiance, .. } = lights[0].source else {

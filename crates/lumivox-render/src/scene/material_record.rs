@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sharper_phong_lobe_is_smoother() {
+    fn higher_shininess_gives_lower_roughness() {
         let roughness = |shininess| {
             let phong = Phong { shininess, ..Phong::default() };
             let material = Material { shading: Shading::Phong(phong), ..Material::default() };
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn emission_is_in_multiples_of_the_unit() {
+    fn emission_is_divided_by_the_unit() {
         let material = Material { emissive: Vec3::splat(64.0), ..Material::default() };
         assert_eq!(record(&material, 32.0, 1.0, false).emission, [2.0; 3]);
         let unlit = Material { shading: Shading::Unlit(Unlit::default()), ..Material::default() };
@@ -256,7 +256,7 @@ mod tests {
     /// Vertex alpha is cut at the cutoff, a texture's alpha at its thresholded edge. A constant
     /// alpha is not cut: the surface is drawn everywhere or nowhere.
     #[test]
-    fn masks_are_cut_where_alpha_varies() {
+    fn mask_thresholds_apply_only_where_alpha_varies() {
         let threshold = |texture, has_vertex_alpha| {
             let shading = MetallicRoughness { base_color_texture: texture, ..Default::default() };
             let material = Material { alpha: AlphaMode::Mask { cutoff: 0.3 }, ..with(shading) };
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_lets_something_through_is_blended() {
+    fn only_surfaces_that_are_not_opaque_are_blended() {
         let blend = |alpha, has_vertex_alpha| {
             let base_color = Vec4::new(1.0, 1.0, 1.0, alpha);
             let material = Material {

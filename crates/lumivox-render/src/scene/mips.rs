@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn clear_texels_do_not_tint_what_is_there() {
+    fn transparent_texels_do_not_tint_visible_ones() {
         // Half is red glass with a coverage of a fifth, half is empty, stored as white.
         let pane = texture(4, 4, |x, _| if x < 2 { [255, 0, 0, 51] } else { [255, 255, 255, 0] });
         let levels = mip_chain(&pane, Encoding::Color, Alpha::Coverage);

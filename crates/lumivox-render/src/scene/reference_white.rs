@@ -44,7 +44,7 @@ mod tests {
     use lumivox_scene::Environment;
 
     #[test]
-    fn white_is_what_a_lit_wall_shows() {
+    fn reference_white_is_the_luminance_of_a_lit_wall() {
         let mut scene = lumivox_scene::builtin::scene("atrium").expect("a scene");
         let white = reference_white(&scene, &Lighting::of(&scene));
         assert!((white - 80_000.0 / PI).abs() < 1.0, "{white}");
@@ -62,7 +62,7 @@ mod tests {
 
     /// If a lamp is at the centre, white is that of a wall around it.
     #[test]
-    fn a_lamp_in_the_middle_is_a_wall_away() {
+    fn central_lamps_are_measured_at_the_wall_distance() {
         let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
         let wall_m = 0.25 * scene.bounds().radius_m();
         for aside_m in [0.0, 0.5 * wall_m, 2.0 * wall_m] {

@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_brightest_comes_to_lie_where_it_shall() {
+    fn the_unit_scales_the_brightest_light_into_range() {
         let unit_of = |radiance: f32| {
             let radiance = Vec3::new(0.0, radiance, 0.0);
             let environment = Environment { radiance, ..Environment::default() };
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn a_unit_suits_light_that_neither_overflows_nor_vanishes() {
+    fn a_unit_fits_light_that_neither_overflows_nor_underflows() {
         let suits = |radiance: f32| {
             let environment =
                 Environment { radiance: Vec3::splat(radiance), ..Environment::default() };
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn built_in_scenes_stay_far_from_the_limits() {
+    fn built_in_scenes_need_moderate_units() {
         for name in lumivox_scene::builtin::names() {
             let scene = lumivox_scene::builtin::scene(name).expect("a built-in scene");
             let unit = radiance_unit(&scene, &Lighting::of(&scene));

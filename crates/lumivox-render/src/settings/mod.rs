@@ -413,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn other_settings_are_checked() {
+    fn invalid_settings_are_refused() {
         let cases = [
             RenderSettings { bounces: 65, ..Default::default() },
             RenderSettings { frames: 0, ..Default::default() },
@@ -429,7 +429,7 @@ mod tests {
     }
 
     #[test]
-    fn views_of_earlier_frames_need_them() {
+    fn history_views_require_temporal_settings() {
         for view in [View::History, View::Disocclusion] {
             let alone = RenderSettings { view, ..Default::default() };
             let told = error_of(&alone).to_string();
@@ -450,7 +450,7 @@ mod tests {
     }
 
     #[test]
-    fn codes_are_the_position_in_all() {
+    fn enum_codes_equal_their_index_in_all() {
         for (index, view) in View::ALL.into_iter().enumerate() {
             assert_eq!(view as usize, index);
         }

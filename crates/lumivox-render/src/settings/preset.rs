@@ -206,7 +206,7 @@ mod tests {
     /// A preset sets its own values whatever the settings were, and the default preset gives the
     /// defaults.
     #[test]
-    fn presets_do_not_depend_on_what_was_before() {
+    fn presets_do_not_depend_on_earlier_settings() {
         let scene = lumivox_scene::builtin::scene("cornell").unwrap();
         let fresh = RenderSettings::default();
         assert_eq!(fresh.with_preset(PresetChoice::default(), None), fresh);

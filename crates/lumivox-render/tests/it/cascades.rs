@@ -36,7 +36,7 @@ fn new_picture(gpu: &Gpu, scene: &Scene, camera: &Camera, settings: &RenderSetti
 /// A still picture after the camera has moved is that of a new renderer, to the bit.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_moved_camera_sees_what_a_new_renderer_shows() {
+fn a_moved_camera_matches_a_fresh_renderer() {
     let gpu = gpu();
     let scene = builtin("cornell");
     let settings = settings();
@@ -54,7 +54,7 @@ fn a_moved_camera_sees_what_a_new_renderer_shows() {
 /// is never far from it on the way.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn boxes_follow_a_camera_in_motion() {
+fn cascades_follow_a_moving_camera() {
     let gpu = gpu();
     let scene = builtin("cornell");
     let trace = TraceSettings { temporal: true, ..TraceSettings::default() };
@@ -91,7 +91,7 @@ fn boxes_follow_a_camera_in_motion() {
 /// finest boxes, which move with the camera, are there.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn shade_on_a_wide_ground_follows_a_camera_in_motion() {
+fn fine_shadows_follow_a_moving_camera() {
     let mut scene = Scene::default();
     let grey = || Material::diffuse("grey", Vec3::splat(0.5));
     let ground = zoo::quad(Vec3::ZERO, Vec3::Z * 2000.0, Vec3::X * 2000.0);
@@ -133,7 +133,7 @@ fn shade_on_a_wide_ground_follows_a_camera_in_motion() {
 
 /// Beyond the maps around cascades, shade is as fine on screen as without cascades.
 #[test]
-fn shade_beyond_small_cascades_is_that_of_a_dense_volume() {
+fn shadows_beyond_cascades_match_a_dense_volume() {
     let mut scene = Scene::default();
     let grey = || Material::diffuse("grey", Vec3::splat(0.5));
     let ground = zoo::quad(Vec3::ZERO, Vec3::Z * 500.0, Vec3::X * 500.0);
@@ -188,10 +188,10 @@ fn change(before: &[f32], after: &[f32]) -> [f32; 3] {
 }
 
 /// When boxes move, and places change from one box to another, the light at these places hardly
-/// changes. `./test --full` has the Cornell box (`boxes_follow_a_camera_in_motion`).
+/// changes. `./test --full` has the Cornell box (`cascades_follow_a_moving_camera`).
 #[test]
 #[ignore = "release: a city of a kilometre"]
-fn moved_boxes_do_not_change_the_light_of_a_city_at_release() {
+fn moving_cascades_keep_a_citys_light_at_release() {
     let gpu = gpu();
     let scene = builtin("city");
     let settings = RenderSettings {
@@ -233,7 +233,7 @@ fn moved_boxes_do_not_change_the_light_of_a_city_at_release() {
 /// Far from the origin a wall leaks no more than near it.
 #[test]
 #[ignore = "slow: two rooms twice"]
-fn a_kilometre_away_nothing_new_leaks() {
+fn walls_leak_no_more_far_from_the_origin() {
     let gpu = gpu();
     let mut scene = builtin("two-rooms-closed");
     let settings = RenderSettings {

@@ -78,7 +78,7 @@ fn settings_may_change_in_any_order() {
 
 /// Changes that do not affect frames keep them; other changes restart the mean.
 #[test]
-fn the_mean_starts_anew_only_where_the_picture_changes() {
+fn frames_restart_only_if_a_change_affects_them() {
     let gpu = gpu();
     let mut renderer = renderer(&gpu, &builtin("cornell"), settings());
     let auto = picture(&mut renderer);
@@ -95,7 +95,7 @@ fn the_mean_starts_anew_only_where_the_picture_changes() {
 
 /// Frames of a moving camera have fewer samples, which no picture at rest keeps.
 #[test]
-fn a_picture_after_motion_is_that_of_a_new_renderer() {
+fn a_picture_after_motion_matches_a_fresh_renderer() {
     let gpu = gpu();
     let scene = builtin("cornell");
     let mut moving = renderer(&gpu, &scene, settings());
@@ -117,7 +117,7 @@ fn a_picture_after_motion_is_that_of_a_new_renderer() {
 }
 
 #[test]
-fn what_is_refused_changes_nothing() {
+fn refused_settings_change_nothing() {
     let gpu = gpu();
     let mut renderer = renderer(&gpu, &builtin("cornell"), settings());
     let before = picture(&mut renderer);
@@ -158,7 +158,7 @@ fn other_light(scene: &Scene) -> Scene {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn lights_and_materials_may_change() {
+fn changed_lights_and_materials_match_a_fresh_renderer() {
     let gpu = gpu();
     let rest = builtin("cornell");
     let lit = other_light(&rest);
@@ -196,7 +196,7 @@ fn lights_and_materials_may_change() {
 /// Objects may move ahead of their voxels, which follow when asked to.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn voxels_may_stay_behind() {
+fn objects_can_move_before_their_voxels() {
     let gpu = gpu();
     let rest = builtin("cornell");
     let mut moved = rest.clone();
@@ -226,7 +226,7 @@ fn voxels_may_stay_behind() {
 /// Without bounces nothing is traced: what cones left of another view must not show.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn what_was_traced_for_another_view_does_not_show() {
+fn traces_of_another_view_do_not_show() {
     let gpu = gpu();
     let scene = builtin("cornell");
     let timing = Timing::SubmitAndWait;
@@ -243,7 +243,7 @@ fn what_was_traced_for_another_view_does_not_show() {
 
 /// A scene with a grid of its own may be empty, or lie outside of it.
 #[test]
-fn nothing_in_the_grid_is_a_picture_where_it_may_be() {
+fn a_scene_outside_its_own_grid_still_renders() {
     let gpu = gpu();
     let mut scene = builtin("cornell");
     scene.grid_bounds = Some(scene.bounds());
@@ -279,7 +279,7 @@ fn nothing_in_the_grid_is_a_picture_where_it_may_be() {
 /// change, and the picture does not notice them.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn views_beside_the_picture_are_those_of_renderers_of_their_own() {
+fn side_views_match_those_of_separate_renderers() {
     let gpu = gpu();
     let scene = builtin("cornell");
     let views = [View::Diffuse, View::Cost];

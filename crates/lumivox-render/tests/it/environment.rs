@@ -115,7 +115,7 @@ fn close(actual: Vec3, expected: Vec3, share: f32, what: &str) {
 /// The background is upright, not mirrored, and turned by the given angle: middle, right and top of
 /// the picture, for a camera that looks anywhere.
 #[test]
-fn the_background_shows_the_map_where_it_is() {
+fn the_background_shows_the_map_in_its_orientation() {
     let fov = 1.2_f32;
     for (forward, rotation_rad) in [
         (Vec3::NEG_Z, 0.0),
@@ -160,7 +160,7 @@ fn metal(roughness: f32) -> Material {
 
 /// A smooth floor mirrors the map, and wide lobes see its mean.
 #[test]
-fn a_mirror_shows_the_map_where_it_is() {
+fn a_mirror_reflects_the_map_in_its_orientation() {
     let rotation_rad = 0.6;
     let position = Vec3::new(2.0, 2.0, 3.0);
     let camera = Camera::look_at(position, Vec3::ZERO, 0.3);

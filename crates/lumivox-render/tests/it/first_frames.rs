@@ -32,7 +32,7 @@ fn noise(picture: &Picture, mean: &Picture) -> [f32; 2] {
 /// 94 and 40 % in the first frame.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_first_frame_is_smooth() {
+fn a_first_frame_has_little_noise() {
     for name in ["cornell", "atrium"] {
         let mean = irradiance(name, 32);
         let [first, few] = [1, 8].map(|frames| noise(&irradiance(name, frames), &mean));
@@ -89,7 +89,7 @@ fn glossy_picture(scene: &Scene, frames: u32) -> Picture {
 /// The noise is 25 % if only rays of the lobe find light, 18 % with known light.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_rough_lobe_takes_known_light_in_a_first_frame() {
+fn rough_reflections_have_little_noise_in_first_frames() {
     let scene = builtin("lacquer");
     let [first, mean] = [1, 64].map(|frames| glossy_picture(&scene, frames));
     let [noise, _] = noise(&first, &mean);
@@ -101,7 +101,7 @@ fn a_rough_lobe_takes_known_light_in_a_first_frame() {
 /// frame and after sixteen.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_lamp_leaves_no_stars_on_gloss() {
+fn a_lamp_leaves_no_fireflies_on_glossy_surfaces() {
     let mut pictures = [1, 16].map(|frames| glossy_picture(&glossy_box(), frames));
     let shares = pictures.each_mut().map(|picture| stars(picture));
     println!("stars in the first frame and after 16: {shares:?}");
@@ -115,7 +115,7 @@ fn a_lamp_leaves_no_stars_on_gloss() {
 /// find the lamp, whose faces are larger than it is.
 #[test]
 #[ignore = "slow: traces paths"]
-fn a_metal_wall_reflects_the_lamp_as_it_is() {
+fn a_metal_wall_reflects_the_lamp_like_the_reference() {
     let (gpu, mut scene) = (gpu(), glossy_box());
     let red = scene.materials.iter_mut().find(|material| material.name == "red");
     let Some(Shading::MetallicRoughness(red)) = red.map(|material| &mut material.shading) else {

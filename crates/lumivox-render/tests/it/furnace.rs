@@ -12,7 +12,7 @@ use crate::common::{builtin, gpu, mean_luminance, picture, renderer, zoo};
 /// In a closed cube that emits 1 cd/m² and reflects a half everywhere, the radiance is 2 cd/m²
 /// everywhere.
 #[test]
-fn the_white_furnace_glows_with_two() {
+fn the_white_furnace_has_radiance_two() {
     let settings = RenderSettings {
         size: UVec2::new(96, 54),
         resolution: 64,
@@ -155,7 +155,7 @@ fn a_panel_just_below_a_ceiling_keeps_its_light() {
 
 #[test]
 #[ignore = "release: the same claim in 64, 128 and 256 voxels"]
-fn a_panel_just_below_a_ceiling_keeps_its_light_in_fine_voxels_at_release() {
+fn a_panel_near_ceilings_keeps_its_light_at_release() {
     for resolution in [64, 128, 256] {
         assert_ceiling_takes_no_light(resolution, &[0.001, 0.1, 0.5, 1.0]);
     }

@@ -50,7 +50,7 @@ fn assert_no_leak(travelling: &Renderer, fresh: &Renderer) {
 /// with other changes.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn moved_instances_give_the_picture_of_a_fresh_renderer() {
+fn moved_instances_match_a_fresh_renderer() {
     let gpu = gpu();
     let mut rest = builtin("cornell");
     let block = rest.instances[4].clone();
@@ -93,7 +93,7 @@ fn moved_instances_give_the_picture_of_a_fresh_renderer() {
 /// new renderer.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn what_is_static_is_kept_from_pose_to_pose() {
+fn unchanged_static_instances_are_not_voxelized_again() {
     let gpu = gpu();
     let (mut rest, mut moved) = poses();
     for scene in [&mut rest, &mut moved] {
@@ -143,7 +143,7 @@ fn a_camera_that_moves_and_returns_finds_the_same_picture() {
 }
 
 #[test]
-fn the_grid_is_that_of_the_bounds_given() {
+fn the_grid_covers_the_given_bounds() {
     let (rest, moved) = poses();
     let mut settings = settings(&[&rest]);
     let bounds = rest.bounds();
@@ -156,7 +156,7 @@ fn the_grid_is_that_of_the_bounds_given() {
 }
 
 #[test]
-fn another_scene_is_refused() {
+fn set_scene_refuses_a_different_scene() {
     let (rest, _) = poses();
     let mut renderer = renderer(&gpu(), &rest, settings(&[&rest]));
     let error = pollster::block_on(renderer.set_scene(&builtin("spheres"), &mut |_| {}));
@@ -169,7 +169,7 @@ fn another_scene_is_refused() {
 /// light after some frames.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn moved_frames_come_to_the_picture_of_a_fresh_renderer() {
+fn frames_after_a_move_converge_to_a_fresh_renderer() {
     let gpu = gpu();
     let mut rest = builtin("cornell");
     let block = rest.instances.len() - 1;
@@ -216,7 +216,7 @@ fn moved_frames_come_to_the_picture_of_a_fresh_renderer() {
 /// date.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_single_change_without_room_is_followed() {
+fn a_change_that_overflows_buffers_is_completed_later() {
     let gpu = gpu();
     let mut grown = builtin("cornell");
     let block = grown.instances.len() - 1;

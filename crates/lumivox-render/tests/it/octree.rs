@@ -77,7 +77,7 @@ fn irradiance_agrees_with_the_dense_volume() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn isotropic_voxels_and_cone_shadows_agree_too() {
+fn isotropic_voxels_and_cone_shadows_match_dense_volumes() {
     let gpu = gpu();
     let of = |volume| {
         let settings = RenderSettings {
@@ -93,7 +93,7 @@ fn isotropic_voxels_and_cone_shadows_agree_too() {
 }
 
 #[test]
-fn nodes_and_bricks_are_seen_in_an_octree_alone() {
+fn node_and_brick_views_need_an_octree() {
     let gpu = gpu();
     let scene = builtin("cornell");
     for view in [View::Nodes, View::Bricks] {
@@ -122,7 +122,7 @@ fn extent(picture: &Picture, is_of_it: impl Fn(&[f32; 4]) -> bool) -> (UVec2, UV
 /// Around a single voxel, nodes without cells of their own are on all sides of the one that has
 /// some; there are no others, however many voxels the grid has room for.
 #[test]
-fn nodes_of_neighbours_stand_around_those_with_cells() {
+fn neighbour_nodes_surround_every_node_with_cells() {
     let mut seen = Vec::new();
     for resolution in [16, 136] {
         // A margin of 1.5 voxels on each side: the origin is a corner of nodes of two voxels.
@@ -156,7 +156,7 @@ fn nodes_of_neighbours_stand_around_those_with_cells() {
 }
 
 #[test]
-fn lit_voxels_are_those_that_the_lamp_reaches() {
+fn the_lit_view_shows_voxels_the_lamp_reaches() {
     let gpu = gpu();
     let settings = RenderSettings { view: View::Lit, ..settings(octree()) };
     let mut renderer = renderer(&gpu, &builtin("cornell"), settings);

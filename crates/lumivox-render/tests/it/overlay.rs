@@ -124,7 +124,7 @@ fn wireframe(wireframe: Wireframe) -> Overlay {
 }
 
 #[test]
-fn a_triangles_wires_are_exactly_near_its_edges() {
+fn wires_cover_exactly_the_pixels_near_edges() {
     let gpu = gpu();
     let scene = stage();
     for mode in [Wireframe::Over, Wireframe::Through] {
@@ -151,7 +151,7 @@ fn a_triangles_wires_are_exactly_near_its_edges() {
 }
 
 #[test]
-fn hidden_lines_are_hidden() {
+fn wires_behind_surfaces_are_hidden() {
     let gpu = gpu();
     let scene = with_screen(stage());
     let size = settings(Overlay::default()).size;
@@ -182,7 +182,7 @@ fn hidden_lines_are_hidden() {
 
 /// Edges on the visible side of a sphere are unbroken, however steep the side is towards its rim.
 #[test]
-fn edges_of_visible_surfaces_do_not_stitch() {
+fn edges_of_visible_surfaces_are_unbroken() {
     let gpu = gpu();
     let mut scene = stage();
     scene.instances.clear();
@@ -258,7 +258,7 @@ fn lines_are_cut_at_the_near_plane() {
 
 /// All off gives the bits of before; whatever is on changes no radiance; two runs agree.
 #[test]
-fn radiance_never_meets_the_overlay() {
+fn overlays_do_not_change_radiance() {
     let gpu = gpu();
     let scene = builtin("cornell");
     let base = RenderSettings {
@@ -377,7 +377,7 @@ fn is_amber(color: [u8; 3]) -> bool {
 /// One cell has twelve edges. In a block of eight, the six edges that meet in its middle are
 /// between hidden faces, and are not drawn.
 #[test]
-fn wire_cubes_are_the_edges_of_faces_that_are_seen() {
+fn wire_cubes_draw_only_edges_of_visible_faces() {
     let gpu = gpu();
     for edge in [1, 2] {
         let (scene, settings) = voxels(edge);
@@ -421,7 +421,7 @@ fn wire_cubes_are_the_edges_of_faces_that_are_seen() {
 /// of one level.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn wire_voxels_are_those_of_the_level_and_end_at_surfaces() {
+fn wire_voxels_show_one_level_and_end_at_surfaces() {
     let gpu = gpu();
     let scene = builtin("cornell");
     let count = |wire_voxels, voxel_level| {
@@ -495,7 +495,7 @@ fn the_light_of_a_level_is_interpolated_on_surfaces() {
 
 /// `Camera::ray` goes where the renderer's projection shows it.
 #[test]
-fn a_cameras_rays_are_those_of_the_pictures() {
+fn camera_rays_match_the_renderers_projection() {
     let size = UVec2::new(160, 90);
     let mut camera = Camera::look_at(Vec3::new(3.0, -1.0, 2.0), Vec3::new(-4.0, 2.0, 7.0), 1.1);
     camera.up = Vec3::new(0.3, 1.0, -0.2);

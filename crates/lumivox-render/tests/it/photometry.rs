@@ -53,7 +53,7 @@ fn a_lamp_lights_the_floor_by_the_inverse_square() {
 /// In the furnace 2 cd/m² come from everywhere, so pi times as much arrives; what the surface adds
 /// to its own 1 cd/m² is its albedo over pi of that.
 #[test]
-fn indirect_light_counts_and_is_the_mean_of_all_frames() {
+fn illuminance_includes_indirect_light_of_all_frames() {
     let settings = RenderSettings { bounces: 12, ..small() };
     let mut renderer = renderer(&gpu(), &builtin("furnace"), settings);
     picture(&mut renderer);
@@ -71,7 +71,7 @@ fn indirect_light_counts_and_is_the_mean_of_all_frames() {
 }
 
 #[test]
-fn where_nothing_is_lit_there_is_no_illuminance() {
+fn unlit_pixels_have_no_illuminance() {
     let mut scene = lamp_over_floor();
     scene.environment.radiance = Vec3::splat(3.0);
     scene.cameras[0] = Camera::look_at(Vec3::Y, Vec3::Y * 2.0 + Vec3::NEG_Z, 1.0);

@@ -9,7 +9,7 @@ use crate::common::{builtin, own_gpu, picture};
 /// All settings that other shaders are linked for are gone through twice.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_second_renderer_asks_for_nothing_new() {
+fn a_second_renderer_compiles_no_new_pipelines() {
     let (gpu, scene) = (own_gpu(), builtin("cornell"));
     let mut heard = Vec::new();
     let mut hear = |step: RenderProgress| {

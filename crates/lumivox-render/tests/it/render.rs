@@ -130,7 +130,7 @@ fn a_lambert_floor_reflects_albedo_over_pi_of_the_illuminance() {
 }
 
 #[test]
-fn data_views_hold_the_quantities() {
+fn data_views_show_their_physical_quantities() {
     let scene = floor_in_the_sun();
     let shown = |view| render(&scene, RenderSettings { view, ..small() }).expect("a picture");
     let normal = shown(View::Normal);
@@ -171,7 +171,7 @@ fn alpha_masks_cut_holes_into_pictures_and_shadows() {
 }
 
 #[test]
-fn the_screen_shows_what_the_formulas_say() {
+fn display_pixels_match_the_tone_map_formulas() {
     let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
     // A thousand times as bright, and exposed by as much less: on the GPU, radiance is in another
     // unit.
@@ -242,7 +242,7 @@ fn frames_are_averaged() {
 }
 
 #[test]
-fn what_does_not_fit_is_a_typed_error() {
+fn invalid_sizes_and_levels_give_typed_errors() {
     let scene = floor_in_the_sun();
     let huge = RenderSettings { size: UVec2::splat(100_000), ..small() };
     let error = render(&scene, huge).expect_err("too large");
@@ -256,7 +256,7 @@ fn what_does_not_fit_is_a_typed_error() {
 }
 
 #[test]
-fn progress_and_views_can_be_followed() {
+fn progress_is_reported_and_views_can_be_switched() {
     let scene = floor_in_the_sun();
     let mut seen = Vec::new();
     pollster::block_on(async {

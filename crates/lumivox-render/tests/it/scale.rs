@@ -30,7 +30,7 @@ fn render(gpu: &Gpu, scene: &Scene) -> Picture {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn millimetres_and_kilometres_look_like_metres() {
+fn scaled_scenes_look_the_same() {
     let gpu = gpu();
     let metres = render(&gpu, &atrium(1.0));
     // Powers of two round nothing, so walls that lie on the voxels' borders stay there; by a factor
@@ -59,7 +59,7 @@ fn millimetres_and_kilometres_look_like_metres() {
 /// A board of 40 cm, a metre above 200 m of ground, under a sun at the zenith: its shadow is as
 /// large as a texel of a map of the whole ground, which would blur it to a ramp.
 #[test]
-fn a_small_thing_on_a_wide_ground_has_its_shadow() {
+fn a_small_object_on_wide_ground_casts_a_shadow() {
     let mut scene = Scene::default();
     let grey = || Material::diffuse("grey", Vec3::splat(0.5));
     for (height_m, half_m) in [(0.0, 100.0), (1.0, 0.2)] {

@@ -32,7 +32,7 @@ fn marked(mark: impl Fn(&mut lumivox_scene::Instance)) -> (Scene, Scene, Scene) 
 }
 
 #[test]
-fn what_is_hidden_leaves_no_trace_in_the_picture() {
+fn hidden_instances_do_not_affect_the_picture() {
     let gpu = gpu();
     let (all, hidden, without) = marked(|instance| instance.is_hidden = true);
     let full = picture(&mut renderer(&gpu, &all, settings()));
@@ -50,7 +50,7 @@ fn what_is_hidden_leaves_no_trace_in_the_picture() {
 }
 
 #[test]
-fn rays_of_the_reference_pass_what_is_hidden() {
+fn reference_rays_ignore_hidden_instances() {
     let gpu = gpu();
     let (all, hidden, without) = marked(|instance| instance.is_hidden = true);
     let settings = ReferenceSettings { size: UVec2::new(24, 14), ..ReferenceSettings::default() };
@@ -68,7 +68,7 @@ fn rays_of_the_reference_pass_what_is_hidden() {
 }
 
 #[test]
-fn what_is_not_voxelized_is_drawn_all_the_same() {
+fn unvoxelized_instances_are_still_drawn() {
     let gpu = gpu();
     let (all, unvoxelized, without) = marked(|instance| instance.is_voxelized = false);
     let [mut full, mut marked, mut bare] =
@@ -92,7 +92,7 @@ fn what_is_not_voxelized_is_drawn_all_the_same() {
 }
 
 #[test]
-fn estimates_count_what_is_there() {
+fn estimates_ignore_hidden_and_unvoxelized_instances() {
     let (all, hidden, without) = marked(|instance| instance.is_hidden = true);
     let (_, unvoxelized, _) = marked(|instance| instance.is_voxelized = false);
     let estimate = |scene: &Scene| MemoryEstimate::new(scene, &settings()).expect("an estimate");
@@ -108,7 +108,7 @@ fn estimates_count_what_is_there() {
 }
 
 #[test]
-fn the_grid_fills_the_box_of_the_scene_unless_the_settings_say_otherwise() {
+fn the_grid_covers_scene_bounds_unless_settings_override() {
     let gpu = gpu();
     let mut scene = builtin("cornell");
     let own = scene.bounds();

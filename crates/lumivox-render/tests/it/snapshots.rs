@@ -140,7 +140,7 @@ fn variants_look_as_before() {
 
 /// A reference that no test reads would stay for ever.
 #[test]
-fn every_reference_is_in_use() {
+fn every_snapshot_file_belongs_to_a_test() {
     let snapshots = [scenes(), materials(), views(), overlays(), variants()].into_iter().flatten();
     let known: BTreeSet<String> = snapshots.map(|snapshot| snapshot.name).collect();
     if is_blessing() {

@@ -91,7 +91,7 @@ fn new_at(gpu: &Gpu, scene: &Scene, camera: &Camera, settings: RenderSettings) -
 /// is that picture.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn what_is_near_is_there_and_the_rest_is_told() {
+fn near_geometry_is_resident_and_the_rest_is_reported() {
     let (gpu, scene) = (gpu(), way());
     let whole = picture(&mut renderer(&gpu, &scene, settings(None)));
     let mut all = renderer(&gpu, &scene, settings(Some(1 << 30)));
@@ -114,7 +114,7 @@ fn what_is_near_is_there_and_the_rest_is_told() {
 /// A still picture after the camera has moved is that of a new renderer there, to the bit.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_moved_camera_finds_what_a_new_renderer_has() {
+fn streamed_geometry_matches_a_fresh_renderer_after_moving() {
     let (gpu, scene) = (gpu(), way());
     let mut moved = renderer(&gpu, &scene, settings(Some(BUDGET)));
     picture(&mut moved);
@@ -131,7 +131,7 @@ fn a_moved_camera_finds_what_a_new_renderer_has() {
 /// always there.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn geometry_follows_a_camera_in_motion() {
+fn geometry_streams_in_around_a_moving_camera() {
     let (gpu, scene) = (gpu(), way());
     let trace = TraceSettings { temporal: true, ..TraceSettings::default() };
     let settings = RenderSettings { trace, frames: 1, ..settings(Some(BUDGET)) };
@@ -156,7 +156,7 @@ fn geometry_follows_a_camera_in_motion() {
 /// Another budget is for another renderer, and scenes can be uploaded with one by themselves.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_budget_stays_that_of_its_renderer() {
+fn changing_the_geometry_budget_needs_a_new_renderer() {
     let (gpu, scene) = (gpu(), way());
     let mut near = renderer(&gpu, &scene, settings(Some(BUDGET)));
     let progress = &mut |_| {};

@@ -56,7 +56,7 @@ fn assert_true(
 
 #[test]
 #[ignore = "slow: traces paths"]
-fn the_cornell_box_is_as_bright_as_it_is() {
+fn the_cornell_box_matches_the_path_tracer() {
     let truth = truth("cornell");
     assert_true("cornell", &figures(&builtin("cornell"), &truth), [-3.0..=3.0, -3.0..=3.0], 12.0);
     // Turned against the grid, the scene gives the same picture.
@@ -66,7 +66,7 @@ fn the_cornell_box_is_as_bright_as_it_is() {
 
 #[test]
 #[ignore = "slow: traces paths"]
-fn a_doorway_lets_in_what_it_lets_in() {
+fn light_through_a_doorway_matches_the_path_tracer() {
     let truth = truth("two-rooms");
     assert_true(
         "two-rooms",
@@ -78,7 +78,7 @@ fn a_doorway_lets_in_what_it_lets_in() {
 
 #[test]
 #[ignore = "slow: traces paths"]
-fn sun_and_sky_reach_the_atrium() {
+fn the_atrium_matches_the_path_tracer() {
     let truth = truth("atrium");
     // llvmpipe: +2.3 and +4.4 %. Parapets that share voxels with the columns behind them are lit by
     // the sun here as they should be; when they were not, +0.1 and +2.2 %.

@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn images_stand_upright() {
+    fn textures_are_upright_on_shapes() {
         // The bitangent points to the image's top, where v is smaller.
         let mesh = cuboid(Vec3::splat(-1.0), Vec3::ONE, Faces::ALL);
         for t in mesh.triangles() {

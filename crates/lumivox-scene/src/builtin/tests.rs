@@ -109,7 +109,7 @@ fn normals_agree_with_the_winding() {
 }
 
 #[test]
-fn closed_rooms_are_closed() {
+fn closed_rooms_have_no_gaps() {
     for name in ["furnace", "two-rooms-closed", "two-rooms", "spheres"] {
         for angles_rad in [Vec3::ZERO, Vec3::new(0.5, 0.35, 0.4)] {
             let mut scene = scene(name).unwrap();
@@ -147,7 +147,7 @@ fn the_doorway_lets_a_ray_through() {
 }
 
 #[test]
-fn light_enters_the_atrium_through_the_roof_alone() {
+fn the_atrium_is_open_only_at_the_roof() {
     let scene = scene("atrium").unwrap();
     let things = things(&scene);
     let mut escaped = 0;

@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_ground_is_as_bright_as_the_wall_that_it_meets() {
+    fn ground_and_wall_match_in_brightness_where_they_meet() {
         let studio = Studio::new();
         let below = studio.map.rgb.last().unwrap()[0];
         let ground = studio.ground_lux * studio.ground_albedo / PI;

@@ -89,7 +89,7 @@ fn radiance_and_openexr_hold_the_same_texels() {
 /// A bright texel lights the surfaces that face it: the picture's middle is -z, its right half +x,
 /// its top +y.
 #[test]
-fn texels_lie_where_the_convention_says() {
+fn panorama_texels_light_the_documented_directions() {
     let (width, height) = (64, 32);
     let cases = [
         ((31, 15), Vec3::NEG_Z),
@@ -126,7 +126,7 @@ fn constant_surroundings_have_their_closed_forms() {
 
 /// The exposure of a camera is divided out again; signatures of other programs are accepted, too.
 #[test]
-fn radiance_files_are_brought_to_their_unit() {
+fn radiance_files_undo_exposure_and_colour_correction() {
     let folder = Folder::new();
     let bytes = hdr_bytes(&picture(16, 8));
     let text = b"#?RADIANCE\n";
@@ -138,7 +138,7 @@ fn radiance_files_are_brought_to_their_unit() {
 }
 
 #[test]
-fn pictures_for_screens_are_decoded_from_srgb_and_told() {
+fn display_pictures_are_decoded_from_srgb_with_a_warning() {
     let folder = Folder::new();
     let mut bytes = Cursor::new(Vec::new());
     let picture = RgbImage::from_fn(8, 4, |x, _| Rgb([if x == 0 { 255 } else { 188 }, 10, 0]));
@@ -152,7 +152,7 @@ fn pictures_for_screens_are_decoded_from_srgb_and_told() {
 }
 
 #[test]
-fn what_is_no_radiance_is_repaired_and_told() {
+fn invalid_radiance_is_repaired_with_a_warning() {
     let folder = Folder::new();
     let bytes = exr_bytes(8, 4, |at| match (at.0, at.1) {
         (0, 0) => (-1.0, f32::NAN, 1.0),
@@ -171,7 +171,7 @@ fn what_is_no_radiance_is_repaired_and_told() {
 }
 
 #[test]
-fn other_layouts_are_told() {
+fn unusual_panorama_sizes_give_a_warning() {
     let folder = Folder::new();
     let map = folder.load("cross.hdr", &hdr_bytes(&picture(12, 16))).unwrap();
     assert!(map.warnings[0].contains("12 x 16"), "{:?}", map.warnings);
@@ -179,7 +179,7 @@ fn other_layouts_are_told() {
 
 /// Blender prefixes the channels of a layer; a data window may be smaller than the picture.
 #[test]
-fn openexr_layers_and_windows_are_understood() {
+fn openexr_layers_and_data_windows_are_read() {
     use exr::prelude::*;
     let folder = Folder::new();
     // The origin of the display window does not matter: the stored part lies 2 to the right of it
@@ -348,7 +348,7 @@ fn openexr_may_be_xyz() {
 }
 
 #[test]
-fn of_several_openexr_layers_the_shown_one_is_told() {
+fn a_warning_names_the_openexr_layer_that_is_shown() {
     use exr::prelude::*;
     let mut bytes = Cursor::new(Vec::new());
     let channels = SpecificChannels::build()

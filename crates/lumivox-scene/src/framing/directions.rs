@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn directions_are_unit_vectors_that_balance() {
+    fn sphere_directions_are_unit_vectors_and_isotropic() {
         for count in [1, 48, 256] {
             assert!(sphere(count).all(|d| (d.length() - 1.0).abs() < 1e-5));
         }

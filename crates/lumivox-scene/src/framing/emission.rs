@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn flux_is_what_the_texels_leave() {
+    fn emitted_flux_is_scaled_by_the_texture() {
         let (black, white) = ([3, 8, 5, 255], [255; 4]);
         let quarter = emission(&lit_square(Some([white, black, black, black])));
         assert!((quarter.flux_lm / (PI * 10.0) - 1.0).abs() < 0.01, "{} lm", quarter.flux_lm);
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_coordinates_or_no_size_is_passed_over() {
+    fn emitters_without_uvs_or_area_are_skipped() {
         let mut scene = lit_square(Some([[255; 4]; 4]));
         scene.meshes[0].uvs.clear();
         assert_eq!(emission(&scene).flux_lm, 0.0);

@@ -225,7 +225,7 @@ mod tests {
     const FROM: Vec3 = Vec3::new(0.02, 0.4, 0.1);
 
     #[test]
-    fn fronts_and_backs_are_told_apart() {
+    fn rays_distinguish_fronts_from_backs() {
         for is_up in [true, false] {
             let rays = floors(&[(0.1, is_up, Sides::Front)]);
             let hit = rays.cast(FROM, Vec3::NEG_Y).unwrap();
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_show_what_lies_behind_backs_and_panes() {
+    fn visible_rays_pass_backs_and_panes() {
         let rays = floors(&[
             (0.3, true, Sides::Transparent),
             (0.2, false, Sides::Front),
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_sides_in_one_place_the_front_is_seen() {
+    fn coincident_front_and_back_count_as_front() {
         for order in [[true, false], [false, true]] {
             let rays = floors(&order.map(|is_up| (0.1, is_up, Sides::Front)));
             assert!(rays.cast(FROM, Vec3::NEG_Y).unwrap().is_front);
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_met_where_there_is_nothing() {
+    fn rays_in_an_empty_scene_hit_nothing() {
         let rays = Rays::new(&Soup::default());
         assert_eq!(rays.cast(FROM, Vec3::NEG_Y), None);
         assert!(rays.is_free(FROM, Vec3::X, f32::INFINITY));

@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_of_light_counts() {
+    fn shines_considers_every_kind_of_light() {
         assert!(!dark().shines());
         let mut scene = dark();
         scene.environment.radiance = Vec3::new(0.0, 0.0, 1e-6);
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn emission_alone_is_told_from_all_else() {
+    fn scenes_lit_only_by_emission_are_recognized() {
         assert!(!dark().is_lit_by_emission_alone());
         let mut glowing = dark();
         glowing.materials[0].emissive = Vec3::X;
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn emission_that_a_texture_blackens_is_none() {
+    fn emission_with_a_black_texture_does_not_count() {
         let mut scene = dark();
         let mut rgba8 = [3, 0, 5, 255].repeat(4);
         let texture = Texture {

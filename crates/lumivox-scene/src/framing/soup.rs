@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn simplifying_ends_whatever_the_limit() {
+    fn simplification_respects_any_triangle_limit() {
         let scene = fine(8);
         let unit = Unit::of(scene.bounds());
         for most in [0, 1, 10, 100] {
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn unit_space_is_there_and_back_again() {
+    fn unit_space_round_trips_to_world() {
         let bounds = Bounds { min: Vec3::new(10.0, 20.0, -5.0), max: Vec3::new(14.0, 21.0, -3.0) };
         let unit = Unit::of(bounds);
         assert_eq!(unit.unit_from_world(bounds.max), unit.half);

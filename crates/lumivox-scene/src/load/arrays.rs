@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_arrays_are_refused_and_not_followed() {
+    fn broken_arrays_are_refused() {
         let (positions, indices) = roof();
         let made = |positions: &[Vec3], indices: &[u32], normals: Option<Vec<Vec3>>| {
             let (positions, indices) = (positions.to_vec(), indices.to_vec());

@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_curve_is_that_of_the_standard() {
+    fn srgb_decoding_follows_iec_61966() {
         // IEC 61966-2-1: the middle of the bytes is about a fifth of the light.
         assert!((linear_from_srgb(0.5) - 0.214_04).abs() < 1e-4);
         assert_eq!(linear_from_srgb(0.0), 0.0);
@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn types_decide_how_channels_are_read() {
+    fn channel_types_decide_colour_decoding() {
         let byte = Decoder::integers(255);
         assert!((byte.color(255.0) - 1.0).abs() < 1e-6);
         assert!((byte.color(128.0) - 0.2159).abs() < 1e-4);

@@ -246,7 +246,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn base64_of_the_rfc() {
+    fn base64_decodes_the_rfc_4648_vectors() {
         // RFC 4648, section 10.
         for (text, plain) in
             [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYmE=", "fooba")]

@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_other_systems_are_found() {
+    fn file_names_match_across_case_and_separators() {
         let folder = tempfile::tempdir().unwrap();
         let scene = folder.path().join("scene.obj");
         let textures = folder.path().join("Textures");
@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     #[cfg(unix)]
-    fn a_name_in_another_encoding_is_that_of_the_same_bytes() {
+    fn file_names_in_other_encodings_are_found() {
         use std::os::unix::ffi::OsStrExt as _;
         let folder = tempfile::tempdir().unwrap();
         let scene = folder.path().join("scene.obj");

@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_does_not_fit_is_refused_with_numbers() {
+    fn geometry_beyond_the_budget_is_refused_with_numbers() {
         let mut budget = GeometryBudget::new(Path::new("scan.ply"), 3 << 20);
         let part = || "the scan".to_owned();
         budget.spend(part, 20_000, 60_000, false).unwrap();

@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn smooth_normals_do_not_see_the_diagonals() {
+    fn smooth_normals_do_not_depend_on_quad_diagonals() {
         let (positions, indices) = cube();
         for (position, normal) in positions.iter().zip(smooth(&positions, &indices)) {
             let expected = (*position - Vec3::splat(0.5)).normalize();
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_add_up() {
+    fn corner_normals_are_weighted_by_angle() {
         let corners = [Vec3::ZERO, Vec3::X * 3.0, Vec3::Y * 4.0];
         let normals = corner_normals(corners);
         assert!((normals[0] - Vec3::Z * FRAC_PI_2).length() < 1e-6);

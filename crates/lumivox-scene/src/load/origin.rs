@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn places_on_a_map_keep_their_millimetres() {
+    fn map_coordinates_keep_millimetre_precision() {
         let on_map = |x: f64, y: f64, z: f64| [500_000.123 + x, 400.0 + y, 4_649_776.456 + z];
         let (places, origin) =
             placed(&[on_map(0.0, 0.0, 0.0), on_map(0.001, 0.0, 0.0), on_map(0.0, 2.5, 8.125)]);
@@ -150,7 +150,7 @@ mod tests {
 
     /// Vertices that nothing uses are at zero in many files.
     #[test]
-    fn a_stray_place_at_zero_is_no_reason_to_stay() {
+    fn an_unused_vertex_at_zero_does_not_prevent_recentring() {
         let (places, origin) =
             placed(&[[0.0; 3], [5e5, 0.0, 4e6], [5e5, 1.0, 4e6], [5e5, 1.0, 4e6 + 1.0]]);
         assert_eq!(places[0], (-origin).as_vec3());
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn what_spans_zero_or_is_large_itself_stays_where_it_is() {
+    fn scenes_near_zero_or_very_large_are_not_recentred() {
         for given in [
             vec![[5000.0, 1.0, 2.0], [-5000.0, 0.0, 1.0], [3.0, 4.0, 5.0]],
             vec![[0.5, 1.0, 2.0], [1.5, 2.0, 4000.0]],

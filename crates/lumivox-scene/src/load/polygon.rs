@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_without_a_plane_or_too_long_are_fans() {
+    fn degenerate_and_very_long_polygons_become_fans() {
         let mut cutter = Cutter::default();
         assert_eq!(cutter.cut(&[Vec3::ONE; 4]), [0, 1, 2, 0, 2, 3]);
         let line = [0.0, 1.0, 2.0, 3.0].map(Vec3::splat);
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn a_polygon_that_crosses_itself_ends_in_time() {
+    fn self_intersecting_polygons_are_cut_in_bounded_time() {
         // A spiral of random chords: every edge crosses most others.
         let mut state = 1_u32;
         let mut random = || {

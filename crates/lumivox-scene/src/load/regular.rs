@@ -77,7 +77,7 @@ mod tests {
     /// The pipe has no writer: opening it would wait for ever.
     #[cfg(unix)]
     #[test]
-    fn what_might_never_end_is_named_at_once() {
+    fn pipes_and_sockets_are_refused_at_once() {
         let folder = tempfile::tempdir().unwrap();
         let pipe = folder.path().join("pipe");
         let made = std::process::Command::new("mkfifo").arg(&pipe).status().unwrap();

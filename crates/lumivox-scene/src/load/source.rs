@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_have_one_spelling() {
+    fn paths_are_normalized() {
         for (path, spelled) in [
             ("a.glb", "a.glb"),
             ("./a.glb", "a.glb"),

@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_end_in_all_three_ways() {
+    fn lines_end_with_lf_crlf_or_cr() {
         for capacity in [1, 2, 3, 100] {
             for ending in ["\n", "\r\n", "\r"] {
                 let text = ["one", "", "two \\ \t", " three", "# four \\", "five\\"].join(ending);
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn marks_of_encodings_are_no_text() {
+    fn byte_order_marks_are_not_part_of_the_text() {
         let wide = |bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
             "\u{feff}v 1\r\nv 2".encode_utf16().flat_map(bytes).collect()
         };
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_in_many_spellings() {
+    fn numbers_are_parsed_in_many_spellings() {
         assert_eq!(number(b"-1.5e2"), Some(-150.0));
         assert_eq!(number(b".5"), Some(0.5));
         assert_eq!(number(b"5."), Some(5.0));

@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn everything_moves_together() {
+    fn unit_and_axis_conversion_covers_lights_and_bounds() {
         let mut scene = crate::builtin::scene("cornell").unwrap();
         scene.lights.push(crate::Light {
             name: "lamp".to_owned(),
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn units_must_be_lengths() {
+    fn units_must_be_positive_and_finite() {
         for unit_m in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             let options = LoadOptions { unit_m, ..LoadOptions::default() };
             let error = check(Path::new("box"), &options).unwrap_err().to_string();

@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn grows_around_points() {
+    fn bounds_enclose_their_points() {
         let bounds = Bounds::from_points([Vec3::new(1.0, -2.0, 3.0), Vec3::new(-1.0, 4.0, 3.0)]);
         assert_eq!(bounds.min, Vec3::new(-1.0, -2.0, 3.0));
         assert_eq!(bounds.size(), Vec3::new(2.0, 6.0, 0.0));

@@ -407,7 +407,7 @@ mod tests {
 
     /// The destructuring names all fields, so that a new one must be listed here, too.
     #[test]
-    fn the_table_has_all_fields() {
+    fn the_light_table_covers_every_field() {
         let Light {
             name: _,
             kind: _,

@@ -21,7 +21,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn unit_vectors_stay_and_others_get_there() {
+    fn to_unit_normalizes_all_but_unit_vectors() {
         let unit = Vec3::new(0.3, -0.5, 0.7).normalize();
         assert_eq!(to_unit(unit), Some(unit));
         assert_eq!(to_unit(Vec3::X * 1e-30), Some(Vec3::X));

@@ -122,7 +122,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn what_is_met_is_what_a_loop_over_all_triangles_meets(
+    fn picking_matches_a_loop_over_all_triangles(
         seed in any::<u64>(),
         count in 1_usize..200,
         rays in prop::collection::vec((prop::array::uniform3(-6.0_f32..6.0), prop::array::uniform3(-1.0_f32..1.0)), 16),
@@ -138,7 +138,7 @@ proptest! {
 }
 
 #[test]
-fn built_in_scenes_are_met_where_a_loop_meets_them() {
+fn picking_in_built_in_scenes_matches_a_loop() {
     for (name, turn_rad) in [("cornell", 0.0), ("cornell", 0.5), ("atrium", 0.0), ("spheres", 0.0)]
     {
         let mut scene = builtin::scene(name).unwrap();
@@ -184,7 +184,7 @@ fn square(double_sided: bool, world_from_local: Mat4) -> Scene {
 }
 
 #[test]
-fn a_hit_is_told_in_the_world() {
+fn hits_are_reported_in_world_coordinates() {
     // Twice as wide: the triangle's normal stays, the vertices' normals turn by the inverse
     // transpose.
     let place = Mat4::from_translation(Vec3::new(5.0, 0.0, -2.0))
@@ -201,7 +201,7 @@ fn a_hit_is_told_in_the_world() {
 }
 
 #[test]
-fn backs_let_rays_pass_unless_they_are_surfaces() {
+fn rays_pass_backs_of_single_sided_surfaces() {
     let behind = Vec3::new(0.2, 0.3, -4.0);
     assert_eq!(Picker::new(&square(false, Mat4::IDENTITY)).pick(behind, Vec3::Z), None);
     let pick = Picker::new(&square(true, Mat4::IDENTITY)).pick(behind, Vec3::Z).unwrap();
@@ -216,7 +216,7 @@ fn backs_let_rays_pass_unless_they_are_surfaces() {
 }
 
 #[test]
-fn points_inside_of_solids_are_told_from_those_in_rooms() {
+fn is_inside_distinguishes_solids_from_rooms() {
     // The Cornell box: a room of walls that face inwards, with two blocks on its floor.
     let scene = builtin::scene("cornell").unwrap();
     let picker = Picker::new(&scene);
@@ -259,7 +259,7 @@ fn block(scene: &Scene) -> Vec3 {
 }
 
 #[test]
-fn rays_pass_what_is_hidden() {
+fn rays_ignore_hidden_instances() {
     let mut scene = square(false, Mat4::from_translation(Vec3::Z));
     let behind = Instance { world_from_local: Mat4::IDENTITY, ..scene.instances[0].clone() };
     scene.instances.push(behind);
@@ -277,7 +277,7 @@ fn rays_pass_what_is_hidden() {
 /// The first of several surfaces in one place counts, so that an answer does not depend on how
 /// boxes are built.
 #[test]
-fn of_what_lies_in_one_place_the_first_is_met() {
+fn of_coincident_surfaces_the_first_is_hit() {
     let mut scene = square(false, Mat4::IDENTITY);
     scene.meshes[0].indices = [0, 1, 2].repeat(100);
     scene.instances.push(scene.instances[0].clone());
@@ -286,7 +286,7 @@ fn of_what_lies_in_one_place_the_first_is_met() {
 }
 
 #[test]
-fn far_eyes_and_tiny_things_meet() {
+fn tiny_objects_are_hit_from_far_away() {
     for size_m in [1e-4_f32, 1.0, 1e5] {
         let picker = Picker::new(&square(false, Mat4::from_scale(Vec3::splat(size_m))));
         // As far as a pixel's ray in f32 resolves a thousandth of the thing.
@@ -298,7 +298,7 @@ fn far_eyes_and_tiny_things_meet() {
 }
 
 #[test]
-fn a_scene_of_nothing_is_met_nowhere() {
+fn empty_and_broken_scenes_are_picked_safely() {
     assert_eq!(Picker::new(&Scene::default()).pick(Vec3::ZERO, Vec3::X), None);
     let mut broken = square(false, Mat4::IDENTITY);
     broken.meshes[0].indices = vec![0, 1, 77, 0, 2, 3];

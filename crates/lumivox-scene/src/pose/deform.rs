@@ -316,7 +316,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bones_of_any_size_turn_normals() {
+    fn normals_turn_correctly_for_bones_of_any_scale() {
         for size in [1e-30_f32, 1e-14, 1.0, 1e14, 1e30] {
             // A quarter about z, mirrored along x, twice as long along y.
             let m =

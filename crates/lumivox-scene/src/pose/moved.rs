@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_differs_is_told_apart() {
+    fn moved_reports_exactly_what_differs() {
         let rest = crate::builtin::scene("cornell").unwrap();
         let places = Places::of(&rest);
         assert_eq!(places.moved(&rest), Moved::default());

@@ -294,13 +294,13 @@ mod tests {
     }
 
     #[test]
-    fn what_hangs_below_moves_along() {
+    fn children_of_moving_nodes_count_as_moving() {
         let nodes = [node(None, Vec3::ONE), node(None, Vec3::ONE), node(Some(1), Vec3::ONE)];
         assert_eq!(moving(&nodes, &[scaling(1, [[1.0; 3]; 2])]), [false, true, true]);
     }
 
     #[test]
-    fn times_beyond_the_ends_are_the_ends() {
+    fn times_are_clamped_to_the_animation_range() {
         let nodes = [node(None, Vec3::ONE)];
         let animation = scaling(0, [[1.0; 3], [3.0; 3]]);
         for (time_s, scale) in [(-5.0, 1.0), (0.5, 2.0), (1.0, 3.0), (f32::INFINITY, 3.0)] {

@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_hold_all_values() {
+    fn value_ranges_bound_all_interpolated_values() {
         let linear = track(&[0.0, 1.0], &[-1.0, 2.0], 1, Interpolation::Linear);
         assert_eq!(linear.range(0), (-1.0, 2.0));
         // A spline that overshoots below zero between two keys at one.

@@ -39,7 +39,7 @@ fn the_same_seed_gives_the_same_room() {
 }
 
 #[test]
-fn sensors_and_cameras_are_in_the_air_of_rooms_that_are_closed_unless_they_say_so() {
+fn rooms_are_closed_and_sensors_are_in_free_air() {
     for Room { scene, sensors, is_open, .. } in rooms(0..200) {
         let name = &scene.name;
         assert!(sensors.len() >= FEWEST_SENSORS, "{name}: {} sensors", sensors.len());
@@ -65,7 +65,7 @@ fn sensors_and_cameras_are_in_the_air_of_rooms_that_are_closed_unless_they_say_s
 }
 
 #[test]
-fn all_lights_sides_and_walls_occur() {
+fn every_light_side_and_wall_kind_occurs() {
     let rooms: Vec<Room> = rooms(0..200).collect();
     let count = |is: &dyn Fn(&Room) -> bool| rooms.iter().filter(|room| is(room)).count();
     for light in RoomLight::ALL {

@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_bytes_are_held_once_whatever_list_they_come_from() {
+    fn equal_bytes_are_stored_once() {
         let straight = [0, 1, 2, 2, 1, 3];
         let turned = [0, 2, 1, 2, 3, 1];
         let mut binary = Binary::default();
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn long_lists_keep_their_triangles_whole() {
+    fn turning_long_index_lists_keeps_triangles_intact() {
         let long: Vec<u32> = (0..3 * 20_001).collect();
         let mut binary = Binary::default();
         binary

@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_does_not_fit_32_bits_is_refused() {
+    fn glb_files_beyond_32_bit_sizes_are_refused() {
         let huge = Binary { bytes: u64::from(u32::MAX) - 27, ..Binary::default() };
         assert_eq!(Container::new(String::new(), huge).err(), Some(u64::from(u32::MAX) + 1));
         let fits = Binary { bytes: u64::from(u32::MAX) - 31, ..Binary::default() };

@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_short() {
+    fn numbers_are_written_in_shortest_form() {
         assert_eq!(number(0.1).to_string(), "0.1");
         assert_eq!(number(-0.0).to_string(), "-0.0");
         for value in
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_entries_are_one_where_asked() {
+    fn push_once_merges_equal_entries() {
         let mut document = Document::default();
         assert_eq!(document.push_once("samplers", &json!({ "wrapS": 1 })), 0);
         assert_eq!(document.push_once("samplers", &json!({ "wrapS": 2 })), 1);

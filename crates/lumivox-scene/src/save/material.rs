@@ -232,7 +232,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn powers_of_two() {
+    fn power_of_two_above_rounds_up() {
         for (value, power) in [(0.0, 1.0), (1.0, 1.0), (1.5, 2.0), (2.0, 2.0), (17_000.0, 32_768.0)]
         {
             assert_eq!(power_of_two_above(value), power);

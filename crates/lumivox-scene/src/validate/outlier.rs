@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn scenes_that_are_merely_large_have_none() {
+    fn large_scenes_have_no_outlier() {
         for name in builtin::names() {
             assert_eq!(builtin::scene(name).unwrap().outlier(), None, "{name}");
         }

@@ -38,7 +38,7 @@ fn fault(change: impl FnOnce(&mut Scene)) -> String {
 }
 
 #[test]
-fn a_triangle_is_valid_and_validation_changes_nothing_twice() {
+fn validation_is_idempotent() {
     let mut scene = triangle();
     scene.meshes[0].indices.extend([1, 1, 2, 0, 2, 0]);
     scene.validate().unwrap();
@@ -73,7 +73,7 @@ fn indices_beyond_the_end_are_named() {
 }
 
 #[test]
-fn lengths_must_agree() {
+fn attribute_lengths_must_agree() {
     assert!(fault(|s| s.meshes[0].uvs.clear()).contains("texture coordinates"));
     assert!(fault(|s| s.meshes[0].indices.truncate(2)).contains("multiple of three"));
     let texture = |s: &mut Scene| {
@@ -89,7 +89,7 @@ fn lengths_must_agree() {
 }
 
 #[test]
-fn nothing_to_show_is_an_error() {
+fn a_scene_without_visible_triangles_is_refused() {
     assert!(fault(|s| s.instances.clear()).contains("no triangles"));
     assert!(fault(|s| s.meshes[0].indices.clear()).contains("no triangles"));
     let line = fault(|s| s.meshes[0].positions[2] = Vec3::X * 2.0);
@@ -134,7 +134,7 @@ fn lights_and_cameras_have_ranges() {
 }
 
 #[test]
-fn what_has_no_extent_is_dropped() {
+fn meshes_and_instances_without_extent_are_dropped() {
     let mut scene = triangle();
     let mut empty = scene.meshes[0].clone();
     empty.indices = vec![0, 0, 0];
@@ -179,7 +179,7 @@ fn flat_transforms_get_a_thickness() {
 }
 
 #[test]
-fn the_extent_is_that_of_what_is_left() {
+fn scene_size_counts_only_remaining_triangles() {
     // The large triangle is a line and goes; the small one, far from the origin, rounds to a point.
     let error = fault(|s| {
         s.meshes[0].positions.extend([Vec3::ZERO, Vec3::splat(1e-12), Vec3::X * 1e-12]);

@@ -59,7 +59,7 @@ fn translations_rotations_and_scales_move_nodes() {
 }
 
 #[test]
-fn splines_and_small_integers() {
+fn spline_and_normalized_integer_tracks_are_read() {
     let mut file = File::triangle();
     // x = t³ on keys at 0 and 2.
     let spline =
@@ -85,7 +85,7 @@ fn splines_and_small_integers() {
 }
 
 #[test]
-fn no_time_depends_on_the_times_before() {
+fn poses_do_not_depend_on_earlier_times() {
     let folder = tempfile::tempdir().unwrap();
     let path = write(folder.path(), "scene.glb", &tumbling().glb());
     let mut scene = Scene::load(&path).unwrap();
@@ -110,7 +110,7 @@ fn tumbling() -> File {
 }
 
 #[test]
-fn what_is_a_line_is_hidden_for_as_long() {
+fn instances_flattened_to_lines_are_hidden() {
     let mut file = tumbling();
     let scales = file.vectors(&[[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0]]);
     file.json["animations"] = json!([]);
@@ -132,7 +132,7 @@ fn what_is_a_line_is_hidden_for_as_long() {
 
 /// A square across z, squeezed along z to nothing and further: it shows the same side all the time.
 #[test]
-fn what_is_flat_for_a_moment_stays() {
+fn momentarily_flat_instances_stay_visible() {
     for first in [1.0, -1.0] {
         let mut file = File::triangle();
         let scales = file.vectors(&[[1.0, first, 1.0], [1.0, first, 0.0], [1.0, first, -1.0]]);
@@ -151,7 +151,7 @@ fn what_is_flat_for_a_moment_stays() {
 }
 
 #[test]
-fn fronts_stay_fronts_through_a_mirror() {
+fn mirrored_nodes_keep_front_faces_in_motion() {
     let mut scene = tumbling().load().unwrap();
     for (time_s, x) in [(0.5, 0.5), (1.5, -0.5), (2.0, -1.0)] {
         scene.pose(AnimationChoice::All, time_s).unwrap();
@@ -166,7 +166,7 @@ fn fronts_stay_fronts_through_a_mirror() {
 }
 
 #[test]
-fn a_time_without_anything_to_see_is_an_error_and_passes() {
+fn posing_an_empty_moment_is_a_recoverable_error() {
     let mut file = File::triangle();
     let scales = file.vectors(&[[1.0, 1.0, 1.0], [0.0, 0.0, 0.0], [2.0, 2.0, 2.0]]);
     file.animation("blink", &[0.0, 1.0, 2.0], &[(0, "scale", "LINEAR", scales)]);
@@ -179,7 +179,7 @@ fn a_time_without_anything_to_see_is_an_error_and_passes() {
 }
 
 #[test]
-fn lights_and_cameras_go_along() {
+fn lights_and_cameras_follow_animated_nodes() {
     let mut file = File::triangle();
     file.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     file.json["extensions"] =
@@ -225,7 +225,7 @@ fn own_camera() -> lumivox_scene::Camera {
 }
 
 #[test]
-fn a_rigid_motion_of_the_scene_stays() {
+fn a_rigid_scene_transform_survives_posing() {
     let mut file = File::triangle();
     let moves = file.vectors(&[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]]);
     file.animation("go", &[0.0, 1.0], &[(0, "translation", "LINEAR", moves)]);
@@ -272,7 +272,7 @@ fn scenes_without_animations_do_not_move() {
 }
 
 #[test]
-fn pointers_and_other_scenes_are_told_or_left_out() {
+fn unsupported_targets_and_other_scenes_are_left_out() {
     let mut file = File::triangle();
     let other = file.node(json!({ "mesh": 0 }), false);
     let moves = file.vectors(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
@@ -295,7 +295,7 @@ fn pointers_and_other_scenes_are_told_or_left_out() {
 }
 
 #[test]
-fn a_matrix_that_moves_is_split() {
+fn animated_matrices_are_decomposed() {
     let mut file = File::triangle();
     let matrix = Mat4::from_scale_rotation_translation(
         Vec3::new(-1.0, 2.0, 3.0),
@@ -314,7 +314,7 @@ fn a_matrix_that_moves_is_split() {
 /// Things that an animation reaches are dynamic, all else static; a mark says otherwise, but not
 /// for moving things.
 #[test]
-fn what_animations_reach_is_dynamic() {
+fn animated_instances_are_dynamic() {
     let mut file = File::triangle();
     let marked = |mark: bool| json!({ "mesh": 0, "extras": { "lumivox": { "static": mark } } });
     let child = file.node(json!({ "mesh": 0, "name": "hand" }), false);

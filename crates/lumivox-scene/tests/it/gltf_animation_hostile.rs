@@ -32,7 +32,7 @@ fn begin_of(file: &File, accessor: u64) -> usize {
 }
 
 #[test]
-fn joints_without_sense() {
+fn invalid_joints_are_refused() {
     // The tube's joints are bytes; there is no fourth bone.
     let joint = |made: &mut Tube, at: usize, byte: u8| {
         let attributes = &made.file.json["meshes"][0]["primitives"][0]["attributes"];
@@ -75,7 +75,7 @@ fn joints_without_sense() {
 }
 
 #[test]
-fn skins_without_sense() {
+fn invalid_skins_are_refused() {
     let error = changed(|made| made.file.json["skins"][0]["joints"] = json!([]));
     assert!(error.contains("no joints") || error.contains("malformed"), "{error}");
     let error = changed(|made| made.file.json["skins"][0]["joints"] = json!([0, 1, 99]));
@@ -101,7 +101,7 @@ fn skins_without_sense() {
 }
 
 #[test]
-fn bones_of_no_size_hide_what_they_move() {
+fn zero_scale_bones_hide_their_triangles() {
     let mut made = tube();
     made.file.json["nodes"][made.joints[2]]["scale"] = json!([0, 0, 0]);
     let scene = made.file.load().unwrap();
@@ -114,7 +114,7 @@ fn bones_of_no_size_hide_what_they_move() {
 
 /// A position, a displacement, a weight and a bind matrix: each costs what it says, and no more.
 #[test]
-fn numbers_that_are_none_cost_a_deformed_mesh_little() {
+fn non_finite_numbers_cost_a_deformed_mesh_little() {
     let sound = tube().file.load().unwrap();
     for (number, triangles, words) in [
         ("POSITION", 2, "triangles with a corner that is not finite"),
@@ -149,7 +149,7 @@ fn numbers_that_are_none_cost_a_deformed_mesh_little() {
 }
 
 #[test]
-fn morph_targets_without_sense() {
+fn invalid_morph_targets_are_refused() {
     let error = changed(|made| {
         let few = made.file.vectors(&[[1.0, 0.0, 0.0]; 2]);
         made.file.json["meshes"][0]["primitives"][0]["targets"][0]["POSITION"] = json!(few);
@@ -175,7 +175,7 @@ fn morph_targets_without_sense() {
 }
 
 #[test]
-fn many_targets_on_many_nodes_cost_no_more_than_allowed() {
+fn morph_weights_stay_within_the_budget() {
     // 20 000 targets on 20 000 nodes would be 400 million weights.
     let mut file = File::triangle();
     let targets = vec![json!({}); 20_000];
@@ -189,7 +189,7 @@ fn many_targets_on_many_nodes_cost_no_more_than_allowed() {
 }
 
 #[test]
-fn key_frames_without_sense() {
+fn invalid_key_frames_are_left_out() {
     let two = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
     let left_out = |file: &File| {
         let scene = file.load().unwrap();
@@ -241,7 +241,7 @@ fn key_frames_without_sense() {
 }
 
 #[test]
-fn counts_beyond_the_data() {
+fn key_counts_beyond_the_data_are_reported() {
     let mut file = moved(&[0.0, 1.0], &[[0.0; 3]; 2], "LINEAR");
     let last = file.json["accessors"].as_array().unwrap().len() - 1;
     file.json["accessors"][last]["count"] = json!(4_000_000_000_u64);
@@ -252,7 +252,7 @@ fn counts_beyond_the_data() {
 }
 
 #[test]
-fn transforms_that_overflow_name_what_and_pass() {
+fn overflowing_transforms_name_the_node_and_can_recover() {
     let huge = [[0.0, 0.0, 0.0], [3e38, 0.0, 0.0]];
     let mut file = moved(&[0.0, 1.0], &huge, "LINEAR");
     let parent = file.node(json!({ "children": [0], "scale": [10, 1, 1] }), false);
@@ -329,7 +329,7 @@ fn pose_all(loaded: Result<Scene, lumivox_scene::SceneError>) {
 }
 
 #[test]
-fn the_rich_file_is_fine() {
+fn the_unmodified_test_file_loads() {
     let scene = rich().load().unwrap();
     assert_eq!(scene.instances.len(), 3);
     assert_eq!(scene.notes.warnings.len(), 1, "{:?}", scene.notes.warnings);

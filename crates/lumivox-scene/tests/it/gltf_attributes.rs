@@ -7,7 +7,7 @@ use serde_json::json;
 use crate::common::{File, png, shading, textured_cube, world_triangles, write};
 
 #[test]
-fn strips_fans_and_unindexed_lists() {
+fn strips_fans_and_unindexed_lists_are_loaded() {
     let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
     for (mode, order) in [(5, [0, 1, 2, 3]), (6, [0, 1, 3, 2])] {
         let mut file = File::new();
@@ -23,7 +23,7 @@ fn strips_fans_and_unindexed_lists() {
 }
 
 #[test]
-fn indices_of_all_widths() {
+fn indices_of_all_widths_are_loaded() {
     for (component, bytes) in [
         (5121, vec![0_u8, 1, 2]),
         (5123, vec![0, 0, 1, 0, 2, 0]),
@@ -38,7 +38,7 @@ fn indices_of_all_widths() {
 }
 
 #[test]
-fn interleaved_normalised_and_sparse_accessors() {
+fn interleaved_normalised_and_sparse_accessors_are_read() {
     let mut file = File::triangle();
     // Texture coordinates of 8 bits, four bytes apart.
     let view = file.view(&[0, 255, 9, 9, 255, 51, 9, 9, 0, 0, 9, 9]);
@@ -88,7 +88,7 @@ fn with_attribute(mut file: File, semantic: &str, accessor: usize) -> File {
 }
 
 #[test]
-fn quantized_attributes() {
+fn quantized_attributes_are_read() {
     // KHR_mesh_quantization: positions, normals and coordinates of 8 and 16 bits, of which only the
     // normalised ones are shares.
     let mut file = File::triangle();
@@ -129,7 +129,7 @@ fn quantized_attributes() {
 }
 
 #[test]
-fn colours_of_all_kinds() {
+fn vertex_colours_of_all_types_are_read() {
     let expected = [Vec4::new(1.0, 0.2, 0.0, 1.0), Vec4::ONE, Vec4::new(0.0, 0.0, 0.6, 1.0)];
     let shares = [[255_u8, 51, 0], [255, 255, 255], [0, 0, 153]];
     let bytes: Vec<u8> = shares.as_flattened().to_vec();
@@ -181,7 +181,7 @@ fn with_sets(texture: serde_json::Value) -> File {
 }
 
 #[test]
-fn the_second_set_is_read_where_it_is_used() {
+fn the_second_uv_set_is_read_only_if_used() {
     let scene = with_sets(json!({ "index": 0, "texCoord": 1 })).load().unwrap();
     let mesh = &scene.meshes[0];
     assert_eq!(mesh.uvs1, [Vec2::new(0.5, 0.5), Vec2::new(0.5, 0.75), Vec2::new(0.75, 0.5)]);
@@ -202,7 +202,7 @@ fn the_second_set_is_read_where_it_is_used() {
 }
 
 #[test]
-fn only_the_second_set() {
+fn a_mesh_may_have_only_the_second_uv_set() {
     let mut file = with_sets(json!({ "index": 0, "texCoord": 1 }));
     let primitive = &mut file.json["meshes"][0]["primitives"][0];
     // Without normals, too: corners are taken apart, and the coordinates go with them.

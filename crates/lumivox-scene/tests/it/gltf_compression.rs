@@ -47,7 +47,7 @@ fn grid() -> File {
 }
 
 #[test]
-fn a_stream_of_googles_draco() {
+fn a_draco_stream_decodes_to_the_original_mesh() {
     let scene = grid().load().unwrap();
     let mesh = &scene.meshes[0];
     assert_eq!((scene.triangle_count(), mesh.positions.len()), (18, 16));
@@ -80,7 +80,7 @@ const SPHERES: [(&[u8], usize); 6] = [
 ];
 
 #[test]
-fn all_levels_of_draco() {
+fn all_draco_compression_levels_are_decoded() {
     // Ten bits for 4 m, and half a step aside along each axis.
     let off_m = 4.0 / 1023.0 * 0.5 * 3.0_f32.sqrt() + 1e-5;
     for (stream, triangles) in SPHERES {
@@ -98,7 +98,7 @@ fn all_levels_of_draco() {
 }
 
 #[test]
-fn draco_streams_without_sense() {
+fn invalid_draco_streams_are_refused() {
     let fault = |file: &File| file.load().unwrap_err().to_string();
     let position = ("POSITION", 5126, "VEC3", 3);
     let error = fault(&draco(&GRID[..GRID.len() / 2], &[position]));
@@ -159,7 +159,7 @@ const UASTC: &[u8] = include_bytes!("../data/ramp-uastc-zstd.ktx2");
 const ASTC: &[u8] = include_bytes!("../data/ramp-astc.ktx2");
 
 #[test]
-fn basis_universal_and_astc() {
+fn basis_universal_and_astc_images_are_decoded() {
     // The mean difference that the encoder's own decoder has, and the next integer.
     for (bytes, mean) in [(ETC1S, 10.0), (UASTC, 2.0), (ASTC, 2.0)] {
         let scene = image(bytes).load().unwrap();
@@ -190,7 +190,7 @@ fn ktx2(format: u32, width: u32, height: u32, level: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn plain_formats_of_ktx2() {
+fn plain_ktx2_formats_are_decoded() {
     let texels = |bytes: &[u8]| {
         let scene = image(bytes).load().unwrap();
         scene.textures[0].rgba8.as_chunks::<4>().0.to_vec()
@@ -212,7 +212,7 @@ fn plain_formats_of_ktx2() {
 }
 
 #[test]
-fn images_without_sense() {
+fn invalid_ktx2_images_get_a_stand_in() {
     let fault = |bytes: &[u8]| {
         let scene = load_from_memory("scene.glb", &image(bytes).glb()).unwrap();
         let said = scene.notes.warnings.join("\n");

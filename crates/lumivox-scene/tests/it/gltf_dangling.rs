@@ -17,7 +17,7 @@ fn changed(change: Change) -> (Scene, String) {
 }
 
 #[test]
-fn a_reference_to_nothing_costs_only_what_it_names() {
+fn a_dangling_reference_costs_only_its_target() {
     let sound = textured_cube().load().unwrap();
     let changes: [(Change, &str); 5] = [
         (
@@ -67,7 +67,7 @@ fn a_reference_to_nothing_costs_only_what_it_names() {
 }
 
 #[test]
-fn a_texture_that_does_not_exist_is_shown_as_a_missing_image_is() {
+fn a_dangling_texture_looks_like_a_missing_image() {
     let (missing, _) = changed(|json| json["images"][0] = json!({ "uri": "gone.png" }));
     let (scene, told) = changed(|json| {
         json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = json!(5);
@@ -99,7 +99,7 @@ fn a_texture_that_does_not_exist_is_shown_as_a_missing_image_is() {
 }
 
 #[test]
-fn a_material_that_does_not_exist_is_the_default_one() {
+fn a_dangling_material_becomes_the_default_material() {
     let (bare, _) = changed(|json| {
         json["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("material");
     });

@@ -32,7 +32,7 @@ fn assert_frames(scene: &Scene, at: &str) {
 }
 
 #[test]
-fn a_bent_tube_is_where_its_bones_are() {
+fn skinned_vertices_follow_their_bones() {
     let mut scene = tube().file.load().unwrap();
     assert!(scene.notes.warnings.len() == 1, "{:?}", scene.notes.warnings);
     let last = scene.meshes[0].positions.len() - CORNERS - 1;
@@ -81,7 +81,7 @@ fn the_nodes_own_transform_does_not_place_a_skinned_mesh() {
 }
 
 #[test]
-fn no_pose_depends_on_the_poses_before() {
+fn poses_of_skinned_meshes_ignore_earlier_poses() {
     let folder = tempfile::tempdir().unwrap();
     let path = write(folder.path(), "tube.glb", &tube().file.glb());
     let rest = Scene::load(&path).unwrap();
@@ -127,7 +127,7 @@ fn each_use_of_a_mesh_deforms_on_its_own() {
 }
 
 #[test]
-fn mirrored_bones_keep_the_front() {
+fn mirrored_bones_keep_front_faces() {
     for flat in [false, true] {
         let mut made = tube();
         let root = made.joints[0];
@@ -175,7 +175,7 @@ fn flat_meshes_get_the_normals_of_their_deformed_triangles() {
 }
 
 #[test]
-fn bones_without_animations_leave_a_plain_scene() {
+fn skins_without_animations_are_baked() {
     let mut made = tube();
     made.file.json["animations"] = json!([]);
     let turn = Quat::from_rotation_z(0.5).to_array();
@@ -234,7 +234,7 @@ fn normals_follow_the_inverse_transpose() {
 }
 
 #[test]
-fn weights_are_repaired_and_told() {
+fn bad_joint_weights_are_repaired_with_a_warning() {
     for (weights, told) in [
         ([1.0, 0.0, 0.0, 0.0], false),
         ([0.501, 0.501, 0.0, 0.0], false),
@@ -252,7 +252,7 @@ fn weights_are_repaired_and_told() {
 }
 
 #[test]
-fn eight_joints_a_vertex() {
+fn eight_joints_per_vertex_are_supported() {
     let mut file = on_a_joint(Mat4::IDENTITY, [0.5, 0.0, 0.0, 0.0]);
     let bone = file.node(json!({ "translation": [0, 0, 8] }), true);
     file.json["skins"][0]["joints"].as_array_mut().unwrap().push(json!(bone));
@@ -327,7 +327,7 @@ fn morph_targets_displace_positions_normals_and_tangents() {
 }
 
 #[test]
-fn triangles_without_area_at_rest_have_one_later() {
+fn triangles_degenerate_at_rest_can_grow_later() {
     let mut file = File::triangle();
     // A second triangle, a point at rest, that the target spreads; without normals: flat.
     let positions = file.vectors(&[

@@ -52,7 +52,7 @@ fn cut_png() -> Vec<u8> {
 }
 
 #[test]
-fn a_bad_image_is_shown_as_a_missing_one_is() {
+fn a_bad_image_is_shown_like_a_missing_one() {
     let good = json!({ "uri": data_uri("image/png", &png(1, 1, &[1, 2, 3, 255])) });
     let missing = painted(&json!({ "uri": "gone.png" }), &good).load().unwrap();
     let wide = encode(&image::GrayImage::new(16_385, 1).into(), image::ImageFormat::Png);
@@ -94,7 +94,7 @@ fn a_bad_image_is_shown_as_a_missing_one_is() {
 }
 
 #[test]
-fn a_bad_image_gives_way_to_the_files_fallback() {
+fn a_bad_image_falls_back_to_its_alternative() {
     let mut file =
         painted(&json!({ "name": "cut", "uri": data_uri("image/png", &cut_png()) }), &json!({}));
     file.json["materials"][0].as_object_mut().unwrap().remove("normalTexture");
@@ -108,7 +108,7 @@ fn a_bad_image_gives_way_to_the_files_fallback() {
 }
 
 #[test]
-fn a_bad_animation_does_not_cost_the_mesh() {
+fn a_bad_animation_is_dropped_and_the_mesh_kept() {
     let good = |file: &mut File| {
         let values = file.vectors(&[[0.0; 3], [1.0, 0.0, 0.0]]);
         file.animation("good", &[0.0, 2.0], &[(0, "translation", "LINEAR", values)])
@@ -188,7 +188,7 @@ fn an_empty_scene_names_the_others() {
 
 /// A number that is not finite costs only the place where it is, and gives a warning.
 #[test]
-fn numbers_that_are_none_are_replaced() {
+fn non_finite_numbers_are_replaced() {
     let sound = textured_cube().load().unwrap();
     for (semantic, size, lost, words) in [
         ("POSITION", 3, 2, "2 triangles with a corner that is not finite were left out"),
@@ -264,7 +264,7 @@ fn a_scale_of_zero_flattens() {
 
 /// Cameras and lights have their own name, or their node's, and are found by both.
 #[test]
-fn nodes_name_cameras_and_lights() {
+fn cameras_and_lights_are_found_by_node_name() {
     let mut file = File::triangle();
     let lens = json!({ "yfov": 1, "znear": 1 });
     file.push("cameras", json!({ "type": "perspective", "perspective": lens }));
@@ -289,7 +289,7 @@ fn nodes_name_cameras_and_lights() {
 
 /// Faults that other programs accept, although they are against the letter of the format.
 #[test]
-fn small_faults_cost_nothing() {
+fn minor_format_violations_are_ignored() {
     let sound = File::triangle().load().unwrap();
     let changes: [fn(&mut Value); 2] = [
         |json| json["buffers"] = json!([{ "byteLength": 1_u64 << 40 }]),
@@ -311,7 +311,7 @@ fn small_faults_cost_nothing() {
 
 /// Values that the format does not allow, and that other programs ignore or understand.
 #[test]
-fn unknown_values_do_not_cost_the_scene() {
+fn unknown_values_do_not_prevent_loading() {
     type Change = fn(&mut Value);
     fn attribute(json: &mut Value, name: &str) {
         json["meshes"][0]["primitives"][0]["attributes"][name] = json!(99);
@@ -372,7 +372,7 @@ fn unknown_values_do_not_cost_the_scene() {
 }
 
 #[test]
-fn lights_out_of_range_are_told() {
+fn lights_out_of_range_give_warnings() {
     let light = |light: Value| {
         let mut file = bare_triangle();
         file.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
@@ -401,7 +401,7 @@ fn lights_out_of_range_are_told() {
 
 /// The URIs of files that people have, and data in all its spellings.
 #[test]
-fn what_exists_decides_what_a_uri_names() {
+fn existing_files_decide_how_uris_are_decoded() {
     let folder = tempfile::tempdir().unwrap();
     let file = File::triangle();
     let names = ["50%.bin", "a%20b.bin", "my data.bin", "Case.BIN", "b%ff.bin"];
@@ -439,7 +439,7 @@ fn what_exists_decides_what_a_uri_names() {
 }
 
 #[test]
-fn extensions_that_refine_the_picture_may_be_missing() {
+fn required_extensions_that_only_refine_are_ignored() {
     let mut file = bare_triangle();
     file.json["extensionsUsed"] = json!(["KHR_materials_variants", "KHR_audio_emitter"]);
     file.json["extensionsRequired"] = file.json["extensionsUsed"].clone();
@@ -478,7 +478,7 @@ fn other_required_extensions_are_ignored_when_asked() {
 }
 
 #[test]
-fn other_versions_are_told_apart_from_broken_files() {
+fn other_gltf_versions_are_distinguished_from_broken_files() {
     // As programs of 2016 wrote it: things by their names.
     let old = json!({
         "asset": { "version": "1.0", "profile": { "api": "WebGL" } },

@@ -77,7 +77,7 @@ fn rich() -> File {
 }
 
 #[test]
-fn files_that_are_not_there_or_no_scene() {
+fn missing_files_and_unknown_formats_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let missing = Scene::load(folder.path().join("none.glb")).unwrap_err();
     assert!(matches!(&missing, SceneError::Read { .. }));
@@ -93,7 +93,7 @@ fn files_that_are_not_there_or_no_scene() {
 }
 
 #[test]
-fn bytes_that_are_no_scene() {
+fn garbage_bytes_are_refused() {
     let garbage: [&[u8]; 9] = [
         b"",
         b"{",
@@ -133,7 +133,7 @@ fn every_truncation_of_a_gltf_is_an_error() {
 }
 
 #[test]
-fn geometry_without_sense() {
+fn invalid_geometry_is_refused() {
     for bad in [f32::NAN, f32::INFINITY] {
         let mut file = File::triangle();
         file.binary[4..8].copy_from_slice(&bad.to_le_bytes());
@@ -159,7 +159,7 @@ fn geometry_without_sense() {
 }
 
 #[test]
-fn claims_beyond_the_data() {
+fn counts_beyond_the_data_are_refused() {
     let count = 4_000_000_000_u64;
     // The count is wrong, and no budget would help.
     for accessor in [0, 1] {
@@ -195,7 +195,7 @@ fn claims_beyond_the_data() {
 }
 
 #[test]
-fn references_to_nothing() {
+fn dangling_references_are_refused() {
     for (list, key) in [("meshes", "primitives"), ("nodes", "mesh"), ("scenes", "nodes")] {
         let error = changed(|json| match list {
             "meshes" => json[list][0][key][0]["attributes"]["POSITION"] = json!(99),
@@ -217,7 +217,7 @@ fn references_to_nothing() {
 }
 
 #[test]
-fn hierarchies_that_are_no_trees() {
+fn cyclic_and_shared_node_hierarchies_are_refused() {
     let error = changed(|json| json["nodes"][0]["children"] = json!([0]));
     assert!(error.contains("own ancestor"), "{error}");
     let error = changed(|json| {
@@ -229,7 +229,7 @@ fn hierarchies_that_are_no_trees() {
 }
 
 #[test]
-fn a_deep_hierarchy_is_no_danger() {
+fn very_deep_hierarchies_are_loaded() {
     let mut file = File::triangle();
     for _ in 0..20_000 {
         let child = file.json["nodes"].as_array().unwrap().len() - 1;
@@ -241,7 +241,7 @@ fn a_deep_hierarchy_is_no_danger() {
 }
 
 #[test]
-fn transforms_without_sense() {
+fn invalid_transforms_are_refused() {
     let error = changed(|json| json["nodes"][0]["translation"] = json!([1e300, 0, 0]));
     assert!(error.contains("not finite") || error.contains("JSON"), "{error}");
     let mut projection = [0.0; 16];

@@ -37,7 +37,7 @@ fn texel(scene: &Scene, texture: Option<lumivox_scene::TextureRef>) -> [u8; 4] {
 }
 
 #[test]
-fn emission_and_the_factors_of_extensions() {
+fn emission_and_extension_factors_are_read() {
     let scene = paint(
         json!({
             "emissiveFactor": [1, 0.5, 0],
@@ -86,7 +86,7 @@ fn two_specular_textures_become_one() {
 }
 
 #[test]
-fn a_clearcoat() {
+fn clearcoat_factors_and_textures_are_read() {
     let texels = [[10, 20, 30, 40], [50, 60, 70, 80]];
     let coat = json!({
         "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25,
@@ -121,7 +121,7 @@ fn a_clearcoat() {
 }
 
 #[test]
-fn sheen_and_transmission() {
+fn sheen_and_transmission_are_read() {
     let texels = [[10, 20, 30, 40], [50, 60, 70, 80]];
     let scene = paint(
         json!({ "extensions": {
@@ -150,7 +150,7 @@ fn sheen_and_transmission() {
 }
 
 #[test]
-fn what_is_unlit_shows_its_colour() {
+fn unlit_materials_keep_only_their_colour() {
     let scene = paint(
         json!({
             "pbrMetallicRoughness": {
@@ -168,7 +168,7 @@ fn what_is_unlit_shows_its_colour() {
 }
 
 #[test]
-fn specular_glossiness_without_textures() {
+fn specular_glossiness_factors_are_converted() {
     let scene = paint(
         json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": {
             "diffuseFactor": [0.5, 0.25, 1, 0.75], "specularFactor": [0.5, 0.25, 0],
@@ -183,7 +183,7 @@ fn specular_glossiness_without_textures() {
 }
 
 #[test]
-fn specular_glossiness_with_textures() {
+fn specular_glossiness_textures_are_converted() {
     // sRGB 188 is a linear 0.5029.
     let texels = [[255, 188, 0, 200], [188, 0, 0, 51]];
     let model = |factor: f32| {
@@ -217,7 +217,7 @@ fn factors_beyond_their_range_are_limited() {
 }
 
 #[test]
-fn what_is_ignored_is_said() {
+fn ignored_extensions_and_primitives_are_reported() {
     let mut file = File::triangle();
     file.json["extensionsUsed"] =
         json!(["KHR_materials_volume", "KHR_xmp_json_ld", "VENDOR_thing", "KHR_materials_sheen"]);

@@ -92,7 +92,7 @@ fn corners(scene: &Scene) -> Vec<Vec3> {
 }
 
 #[test]
-fn positions_and_triangles() {
+fn compressed_positions_and_triangles_are_decoded() {
     let scene = square().load().unwrap();
     let expected: Vec<Vec3> = INDICES.iter().map(|&i| CORNERS[i as usize].into()).collect();
     // The codec may turn the corners of a triangle round.
@@ -110,7 +110,7 @@ fn positions_and_triangles() {
 }
 
 #[test]
-fn index_sequences_of_four_bytes() {
+fn four_byte_index_sequences_are_decoded() {
     let mut square = Square::new();
     let positions = meshopt::encode_vertex_buffer(&CORNERS).unwrap();
     let view = square.view(&positions, 4, 12, attributes("NONE"));
@@ -124,7 +124,7 @@ fn index_sequences_of_four_bytes() {
 }
 
 #[test]
-fn filters() {
+fn meshopt_filters_are_decoded() {
     let mut square = Square::new();
     let floats: Vec<f32> = CORNERS.as_flattened().to_vec();
     let exponents = meshopt::encode_filter_exp::<3>(&CORNERS, 16, meshopt::EncodeExpMode::Separate);
@@ -174,7 +174,7 @@ fn filters() {
 }
 
 #[test]
-fn colours_in_their_own_filter() {
+fn the_colour_filter_is_decoded() {
     let mut square = Square::new();
     let positions = meshopt::encode_vertex_buffer(&CORNERS).unwrap();
     let view = square.view(&positions, 4, 12, attributes("NONE"));
@@ -202,7 +202,7 @@ fn colours_in_their_own_filter() {
 }
 
 #[test]
-fn streams_without_sense() {
+fn invalid_meshopt_streams_are_refused() {
     let fault = |change: &dyn Fn(&mut Value)| {
         let mut file = square();
         change(&mut file.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]);
@@ -231,7 +231,7 @@ fn streams_without_sense() {
 /// A buffer of which all views are compressed is not read, whether it is marked or not, and whether
 /// its file exists or not.
 #[test]
-fn stand_ins_need_no_mark() {
+fn fallback_buffers_are_never_read() {
     let expected = square().load().unwrap().meshes;
     let mut unmarked = square();
     unmarked.json["buffers"][1].as_object_mut().unwrap().remove("extensions");

@@ -11,7 +11,7 @@ fn told(scene: &Scene) -> String {
 }
 
 #[test]
-fn indices_that_are_no_whole_triangles_are_told() {
+fn leftover_indices_are_ignored_with_a_warning() {
     let mut file = File::triangle();
     let indices = file.indices(&[0, 1, 2, 0, 1]);
     file.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
@@ -23,7 +23,7 @@ fn indices_that_are_no_whole_triangles_are_told() {
 }
 
 #[test]
-fn of_a_matrix_and_its_parts_the_matrix_counts() {
+fn a_matrix_overrides_translation_rotation_and_scale() {
     let mut file = File::triangle();
     let matrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1];
     file.json["nodes"][0]["matrix"] = json!(matrix);
@@ -37,7 +37,7 @@ fn of_a_matrix_and_its_parts_the_matrix_counts() {
 }
 
 #[test]
-fn a_camera_of_many_radians_has_degrees() {
+fn a_huge_yfov_is_read_as_degrees() {
     let mut file = File::triangle();
     let lens = json!({ "type": "perspective", "perspective": { "yfov": 60, "znear": 1 } });
     file.push("cameras", lens);
@@ -74,7 +74,7 @@ fn text_in_utf16_is_read() {
 }
 
 #[test]
-fn what_is_no_gltf_says_what_it_is() {
+fn errors_explain_why_a_file_is_not_gltf() {
     let text = String::from_utf8(File::triangle().embedded()).unwrap();
     for (bytes, words) in [
         (

@@ -64,7 +64,7 @@ fn copied(attributes: serde_json::Value) -> File {
 }
 
 #[test]
-fn copies_stand_on_their_node() {
+fn gpu_instances_are_placed_relative_to_their_node() {
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let mut file = copied(json!({}));
     let translations = file.vectors(&[[0.0, 0.0, 0.0], [0.0, 0.0, 5.0], [7.0, 0.0, 0.0]]);
@@ -97,7 +97,7 @@ fn copies_stand_on_their_node() {
 }
 
 #[test]
-fn copies_without_size_are_skipped_and_other_attributes_told() {
+fn degenerate_gpu_instances_and_unknown_attributes_give_warnings() {
     let mut file = copied(json!({}));
     let scales = file.vectors(&[[1.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, f32::NAN, 1.0]]);
     let colors = file.vectors(&[[1.0, 1.0, 1.0]; 3]);
@@ -112,7 +112,7 @@ fn copies_without_size_are_skipped_and_other_attributes_told() {
 }
 
 #[test]
-fn copies_without_sense() {
+fn invalid_gpu_instancing_is_refused() {
     let fault = |file: File| {
         let text = file.load().unwrap_err().to_string();
         assert!(text.contains("scene.glb: stand"), "{text}");

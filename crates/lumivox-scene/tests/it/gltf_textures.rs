@@ -56,7 +56,7 @@ fn webp(texel: [u8; 4]) -> Vec<u8> {
 }
 
 #[test]
-fn webp_comes_before_what_the_core_format_gives() {
+fn webp_is_preferred_over_the_core_image() {
     let images = [&png(1, 1, &[1, 2, 3, 255])[..], &webp([40, 50, 60, 255])];
     let texture = json!({ "source": 0, "extensions": { "EXT_texture_webp": { "source": 1 } } });
     let mut file = with_texture(&images, texture, json!({ "index": 0 }));
@@ -81,7 +81,7 @@ fn webp_comes_before_what_the_core_format_gives() {
 }
 
 #[test]
-fn an_image_that_is_not_there_is_seen() {
+fn a_missing_image_gets_a_visible_stand_in() {
     let mut file = with_texture(&[], json!({ "source": 0 }), json!({ "index": 0 }));
     file.push("images", json!({ "uri": "gone.png" }));
     file.json["materials"][0]["normalTexture"] = json!({ "index": 0 });
@@ -107,7 +107,7 @@ fn an_image_that_is_not_there_is_seen() {
 }
 
 #[test]
-fn transforms_and_sets_reach_the_reference() {
+fn texture_transforms_and_uv_sets_are_read() {
     let info = json!({ "index": 0, "texCoord": 0, "extensions": { "KHR_texture_transform": {
         "offset": [0.5, 0.25], "rotation": std::f32::consts::FRAC_PI_2, "scale": [2, 4],
         "texCoord": 1,
@@ -215,7 +215,7 @@ fn textures_shrink_into_their_budget() {
 }
 
 #[test]
-fn progress_is_told() {
+fn texture_loading_reports_progress() {
     let folder = tempfile::tempdir().unwrap();
     let path = write(folder.path(), "gallery.glb", &gallery(&[(2, 2); 40]).glb());
     let mut steps = Vec::new();
@@ -232,7 +232,7 @@ fn progress_is_told() {
 }
 
 #[test]
-fn an_image_that_claims_too_much_is_refused() {
+fn an_image_with_an_excessive_size_is_refused() {
     // 48 bytes that say 16384 x 16384 texels, uncompressed.
     let mut ktx = b"\xABKTX 20\xBB\r\n\x1A\n".to_vec();
     for word in [37_u32, 1, 16_384, 16_384, 0, 0, 1, 1, 0] {

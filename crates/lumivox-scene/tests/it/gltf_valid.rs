@@ -24,7 +24,7 @@ fn a_triangle_gets_all_attributes() {
 }
 
 #[test]
-fn a_cube_with_texture() {
+fn a_textured_cube_is_loaded() {
     for bytes in [textured_cube().glb(), textured_cube().embedded()] {
         let scene = load("cube.gltf", &bytes).unwrap();
         assert_eq!(scene.triangle_count(), 12);
@@ -142,7 +142,7 @@ fn only_the_default_scene_is_loaded() {
 }
 
 #[test]
-fn a_mirror_keeps_the_front() {
+fn mirrored_nodes_keep_front_faces() {
     let mut file = textured_cube();
     file.node(json!({ "mesh": 0, "scale": [-1, 2, 1], "translation": [5, 0, 0] }), true);
     let scene = file.load().unwrap();

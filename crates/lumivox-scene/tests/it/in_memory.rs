@@ -30,7 +30,7 @@ fn textured() -> File {
 }
 
 #[test]
-fn the_extension_tells_the_format() {
+fn the_extension_selects_the_format() {
     let glb = File::triangle().glb();
     let scene = load("some/folder/thing.GLB", &glb, None).unwrap();
     assert_eq!((scene.name.as_str(), scene.triangle_count()), ("thing", 1));
@@ -66,7 +66,7 @@ fn other_files_come_from_the_callers_source() {
 }
 
 #[test]
-fn the_disk_is_left_alone() {
+fn loading_from_memory_reads_no_files() {
     let file = textured();
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("data.bin"), &file.binary).unwrap();
@@ -109,7 +109,7 @@ fn scenes_may_not_leave_their_folder_in_memory_either() {
 }
 
 #[test]
-fn progress_is_told_from_memory_too() {
+fn loading_from_memory_reports_progress() {
     let mut told = Vec::new();
     let mut listen = |progress: lumivox_scene::LoadProgress| told.push(progress);
     let mut options = LoadOptions { progress: Some(&mut listen), ..LoadOptions::default() };

@@ -94,7 +94,7 @@ fn links_that_stay_inside_are_followed() {
 }
 
 #[test]
-fn images_behind_such_links_have_a_stand_in() {
+fn images_behind_outward_links_get_a_stand_in() {
     let Place { folder: _folder, scene, outside } = place();
     with(&outside, "secret.png", png(1, 1, &[1, 2, 3, 255]));
     symlink(outside.join("secret.png"), scene.join("link.png")).unwrap();
@@ -117,7 +117,7 @@ fn images_behind_such_links_have_a_stand_in() {
 }
 
 #[test]
-fn obj_files_reach_no_further() {
+fn obj_files_cannot_follow_outward_links() {
     let Place { folder: _folder, scene, outside } = place();
     with(&outside, "secret.mtl", "newmtl paint\nKd 1 0 0\n");
     with(&outside, "secret.png", png(1, 1, &[1, 2, 3, 255]));
@@ -155,7 +155,7 @@ fn obj_files_reach_no_further() {
 }
 
 #[test]
-fn scenes_of_vxct_reach_their_programs_folder() {
+fn vxct_scenes_can_read_the_programs_folder() {
     let Place { folder, outside, .. } = place();
     let program = folder.path().join("program");
     for name in ["scenes", "models"] {

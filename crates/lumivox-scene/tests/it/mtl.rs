@@ -50,7 +50,7 @@ fn dot(color: [u8; 4]) -> Vec<u8> {
 }
 
 #[test]
-fn plain_materials_are_phongs() {
+fn plain_materials_become_phong() {
     let scene =
         with("Ka 1 1 1\nKd 0.6 0.5 0.4\nKs 0.2 0.2 0.2\nNs 96\nNi 1.45\nillum 2\nKe 3 2 1", &[]);
     assert!(scene.notes.warnings.is_empty(), "{:?}", scene.notes.warnings);
@@ -81,7 +81,7 @@ fn no_surface_reflects_more_than_it_receives() {
 }
 
 #[test]
-fn opacities_in_all_ways() {
+fn opacity_is_read_from_d_tr_and_maps() {
     for (text, opacity) in [("d 0.25", 0.25), ("Tr 0.75", 0.25), ("d 0.5\nTr 0", 0.5)] {
         let scene = with(text, &[]);
         assert_eq!(phong(&scene).opacity, opacity);
@@ -137,7 +137,7 @@ fn images_are_found_decoded_and_placed() {
 }
 
 #[test]
-fn what_is_missing_has_a_visible_stand_in() {
+fn missing_images_get_a_visible_stand_in() {
     for (name, files, words) in [
         ("gone.png", vec![], "does not exist"),
         ("../gone.png", vec![], "leaves the scene's folder"),
@@ -211,7 +211,7 @@ fn colors(files: &[(&str, &str)], libraries: &str, materials: &[&str]) -> Vec<Ve
 }
 
 #[test]
-fn what_exists_decides_between_names() {
+fn existing_files_disambiguate_library_names() {
     let files = [
         ("box red.mtl", "newmtl red\nKd 1 0 0\n"),
         ("box green.mtl", "newmtl green\nKd 0 1 0\n"),
@@ -237,7 +237,7 @@ fn what_exists_decides_between_names() {
 }
 
 #[test]
-fn images_have_options_before_and_behind() {
+fn image_options_may_precede_or_follow_the_name() {
     let files = [("a b.png", dot([9, 9, 9, 255]))];
     for line in [
         "map_Kd -s 2 2 1 a%20b.png",
@@ -307,7 +307,7 @@ fn bumps_are_normals_or_heights() {
 }
 
 #[test]
-fn what_replaces_missing_numbers_is_told() {
+fn values_assumed_for_missing_keys_are_reported() {
     for (text, diffuse, words) in [
         ("Ka 0.8 0.1 0.2", Vec3::new(0.8, 0.1, 0.2), "Ka is its diffuse colour"),
         ("Ka 1 1 1", Vec3::splat(0.5), ""),
@@ -331,7 +331,7 @@ fn constant_colors_take_no_light() {
 }
 
 #[test]
-fn what_is_not_supported_is_told() {
+fn unsupported_statements_are_reported() {
     let scene = with(
         "refl -type sphere a.png\ndisp a.png\nmap_Ns a.png\nTf 0.5 0.5 0.5\naniso 0.3\nKd spectral a.rfl\n\
          Ks 1 x 1\nd -halo 0.5\nd nan\nwhat 3\nmap_Kd\nKe xyz 0.9505 1 1.089",
@@ -361,7 +361,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
-    fn any_statements_are_no_panic(
+    fn arbitrary_statements_never_panic(
         lines in proptest::collection::vec(
             "(K[dse]|N[si]|d|Tr|illum|P[rmsc]|Pcr|map_(K[dse]|d|P[rms])|bump|norm|newmtl) \
              (-(s|o|bm|mm|clamp|imfchan|t) )?([-0-9. ]{0,9}|nan|a.png|b.png|on)", 0..30),
@@ -371,14 +371,14 @@ proptest! {
     }
 
     #[test]
-    fn any_bytes_are_no_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+    fn arbitrary_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
         let text = String::from_utf8_lossy(&bytes).into_owned();
         with(&text, &[("a.png", bytes)]);
     }
 }
 
 #[test]
-fn what_is_used_in_part_is_not_called_ignored() {
+fn partly_supported_statements_are_reported_as_such() {
     let files = [("a.png", png(1, 1, &[9, 9, 9, 255]))];
     let scene = with("map_Kd -texres 512 a.png\nd -halo 0.5", &files);
     assert_eq!(
@@ -392,7 +392,7 @@ fn what_is_used_in_part_is_not_called_ignored() {
 }
 
 #[test]
-fn a_second_material_of_a_name_is_told() {
+fn duplicate_material_names_are_reported() {
     let scene = with("Kd 1 0 0\nnewmtl m\nKd 0 1 0", &[]);
     assert!(warns(
         &scene,
@@ -402,7 +402,7 @@ fn a_second_material_of_a_name_is_told() {
 }
 
 #[test]
-fn a_library_that_is_none_does_not_cost_the_scene() {
+fn a_bad_material_library_does_not_prevent_loading() {
     let folder = tempfile::tempdir().unwrap();
     let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
     let path = write(folder.path(), "house.obj", obj.as_bytes());

@@ -25,7 +25,7 @@ fn warns(scene: &Scene, words: &str) -> bool {
 }
 
 #[test]
-fn corners_come_in_all_mixes() {
+fn corners_with_any_mix_of_indices_are_read() {
     let scene = read(
         "# made by hand\r\nv 0 0 0\r\nv\t1 0\t0 1.0\r\nv 1 1 \\\r\n 0\r\nv 0 1 0\r\n\
          vt 0 0\r\nvt 1 0.25 0\r\nvn 0 0 5\r\nvn 0 1 1\r\n\
@@ -78,7 +78,7 @@ fn smoothing_groups_are_smooth_and_the_rest_is_flat() {
 }
 
 #[test]
-fn creases_are_the_users() {
+fn the_crease_option_decides_smoothing() {
     let folder = tempfile::tempdir().unwrap();
     // The seam in the texture is not an edge.
     let text = format!("{ROOF}vt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 4/2 3/2 2/2\n");
@@ -96,7 +96,7 @@ fn creases_are_the_users() {
 }
 
 #[test]
-fn concave_polygons_are_cut_rightly() {
+fn concave_polygons_are_triangulated_correctly() {
     let scene = read("v 0 0 0\nv 2 -1 0\nv 0 2 0\nv -2 -1 0\nf 2 3 4 1\n");
     let area: f32 = world_triangles(&scene)
         .iter()
@@ -123,7 +123,7 @@ fn vertices_have_colors() {
 
 /// `ZBrush` writes colours as comments, one word of eight digits for each vertex.
 #[test]
-fn comments_of_zbrush_are_colors() {
+fn zbrush_comments_become_vertex_colors() {
     let paint = "# a comment\n#MRGB ffff0000FF00ff00\n";
     let scene = read(&format!("{ROOF}{paint}#MRGB ff0000ff\nf 1 2 3\nf 4 3 2\n#MRGB 00808080ff"));
     let expected = read(
@@ -135,7 +135,7 @@ fn comments_of_zbrush_are_colors() {
 }
 
 #[test]
-fn faces_may_come_first() {
+fn faces_may_precede_their_vertices() {
     let rest = "vt 0 0\nvt 1 1\nvt 1 0\nvn 0 0 1\n";
     let faces = "s 1\nf 1/1/1 2/2/1 3/3/1\ng b\ns off\nf 4/1 3/2 2/3\nf 1/1 2/2 3/3 4/1\n";
     let expected = read(&format!("{ROOF}{rest}{faces}"));
@@ -150,7 +150,7 @@ fn faces_may_come_first() {
 }
 
 #[test]
-fn what_is_left_out_is_told() {
+fn skipped_elements_are_reported() {
     let scene = read(&format!(
         "{ROOF}l 1 2\np 1\nf 1 2 3\nf 1 2\ncstype bezier\ncurv 0 1 1 2 3\nend\ncall other.obj\n\
          vn nan nan nan\nvt nan 0\nf 1/1/1 2/1/1 3/1/1\nf 1/9/9 2/9/9 3/9/9\n"
@@ -171,7 +171,7 @@ fn what_is_left_out_is_told() {
 }
 
 #[test]
-fn a_place_that_is_no_number_costs_its_triangles() {
+fn non_finite_positions_drop_only_their_triangles() {
     let broken = "v nan 0 0\nv 0 1e99 0\nv 0 0 -nan(ind)\n";
     assert_eq!(read(&format!("{ROOF}{broken}f 1 2 3\n")), read(&format!("{ROOF}f 1 2 3\n")));
     for smooth in ["", "s 1\n"] {
@@ -183,7 +183,7 @@ fn a_place_that_is_no_number_costs_its_triangles() {
 }
 
 #[test]
-fn vertices_without_a_colour_among_others_are_told() {
+fn vertices_missing_a_colour_are_reported() {
     let scene = read("v 0 0 0 1 0 0\nv 1 0 0 0 1 nan\nv 0 1 0\nf 1 2 3\n");
     assert_eq!(scene.meshes[0].colors[1..], [glam::Vec4::ONE; 2]);
     assert!(warns(&scene, "2 vertices have no colour, or one that is not finite"));
@@ -218,7 +218,7 @@ fn comments_end_a_line() {
 }
 
 #[test]
-fn units_axes_and_progress() {
+fn unit_axis_and_progress_options_work() {
     let folder = tempfile::tempdir().unwrap();
     let path = write(folder.path(), "house.obj", format!("{ROOF}f 1 2 3\n").as_bytes());
     let mut told = Vec::new();
@@ -237,7 +237,7 @@ fn units_axes_and_progress() {
 }
 
 #[test]
-fn the_budget_is_kept_with_numbers() {
+fn geometry_beyond_the_budget_is_refused_with_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let budget = MemoryBudget { geometry_bytes: 1 << 20, ..MemoryBudget::default() };
     for text in [
@@ -278,7 +278,7 @@ fn broken_files_say_where() {
 }
 
 #[test]
-fn a_million_groups_are_joined() {
+fn too_many_groups_are_joined_by_material() {
     let mut text = ROOF.to_owned();
     for i in 0..70_000 {
         write!(text, "g {i}\nf 1 2 3\n").unwrap();
@@ -293,12 +293,12 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
-    fn any_bytes_are_no_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+    fn arbitrary_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
         let _ = load_from_memory("house.obj", &bytes);
     }
 
     #[test]
-    fn any_statements_are_no_panic(
+    fn arbitrary_statements_never_panic(
         lines in proptest::collection::vec(
             "(v|vt|vn|f|s|g|o|usemtl|mtllib|l) ([-0-9/. ]{0,12}|nan|off|[a-z]{1,3})\\\\?", 0..40),
         crease in any::<bool>(),

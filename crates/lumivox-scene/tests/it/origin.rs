@@ -28,7 +28,7 @@ fn is_in_place(scene: &Scene) {
 }
 
 #[test]
-fn text_keeps_its_places() {
+fn text_formats_keep_large_coordinates() {
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(at);
     let lines = |word: &str| corners.map(|[x, y, z]| format!("{word} {x} {y} {z}\n")).concat();
     // A vertex that nothing uses, and one of each reader.
@@ -50,7 +50,7 @@ fn text_keeps_its_places() {
 }
 
 #[test]
-fn nodes_keep_their_places_at_rest_and_in_motion() {
+fn nodes_keep_large_coordinates_at_rest_and_in_motion() {
     let mut by_node = File::triangle();
     by_node.json["nodes"][0]["translation"] = json!(PLACE);
     is_in_place(&by_node.load().unwrap());
@@ -86,7 +86,7 @@ fn nodes_keep_their_places_at_rest_and_in_motion() {
 
 /// A concave pentagon of 20 cm, whose corners f32 would move by more than that.
 #[test]
-fn shapes_are_cut_as_near_zero() {
+fn polygons_far_from_zero_are_cut_correctly() {
     let corners = [[0.0, 0.0], [0.2, 0.0], [0.2, 0.2], [0.1, 0.05], [0.0, 0.2]];
     let line = |[x, z]: [f64; 2]| {
         let [x, y, z] = at([x, 0.0, z]);
@@ -103,7 +103,7 @@ fn shapes_are_cut_as_near_zero() {
 
 /// LV95 in millimetres, with z up: the unit is a decimal, which f32 is not.
 #[test]
-fn units_are_decimals() {
+fn decimal_units_keep_large_coordinates_exact() {
     let text = "v 2600000250 1200000750 0\nv 2600001250 1200000750 0\nv 2600000250 1200001750 0\nf 1 2 3\n";
     let mut options = LoadOptions { up: UpAxis::Z, unit_m: 0.001, ..LoadOptions::default() };
     let scene = Scene::from_memory("a.obj", text.as_bytes(), &mut options).unwrap();
@@ -116,7 +116,7 @@ fn units_are_decimals() {
 }
 
 #[test]
-fn what_hangs_below_something_that_turns_is_in_place_at_all_times() {
+fn children_of_turning_nodes_keep_large_coordinates() {
     let mut file = File::triangle();
     file.json["nodes"][0]["translation"] = json!(PLACE);
     file.node(json!({ "name": "turntable", "children": [0] }), false);
@@ -133,7 +133,7 @@ fn what_hangs_below_something_that_turns_is_in_place_at_all_times() {
 }
 
 #[test]
-fn copies_are_places_too() {
+fn gpu_instances_are_recentred_too() {
     let place = PLACE.map(|place| place as f32);
     let mut copies = File::triangle();
     let translations = copies.vectors(&[place, place]);
@@ -147,7 +147,7 @@ fn copies_are_places_too() {
 }
 
 #[test]
-fn what_a_file_has_lost_is_told() {
+fn precision_lost_in_the_file_is_reported() {
     let mut baked = File::triangle();
     let place = PLACE.map(|place| place as f32);
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
@@ -167,7 +167,7 @@ fn what_a_file_has_lost_is_told() {
 
 #[cfg(feature = "save")]
 #[test]
-fn a_saved_scene_is_where_it_was() {
+fn saving_keeps_the_scenes_origin() {
     let mut file = File::triangle();
     file.json["nodes"][0]["translation"] = json!(PLACE);
     file.push(
@@ -187,7 +187,7 @@ fn a_saved_scene_is_where_it_was() {
 }
 
 #[test]
-fn scenes_near_zero_stay_as_they_are() {
+fn scenes_near_zero_are_not_recentred() {
     let mut file = File::triangle();
     file.json["nodes"][0]["translation"] = json!([100, 0, -900]);
     let scene = file.load().unwrap();

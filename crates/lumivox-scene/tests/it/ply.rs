@@ -120,7 +120,7 @@ fn fault(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn all_encodings_are_the_same_scene() {
+fn all_encodings_load_the_same_scene() {
     let scenes = FORMATS.map(|format| load("scan.ply", &file(format, HEADER, &rows())).unwrap());
     assert_eq!(scenes[0], scenes[1]);
     assert_eq!(scenes[0], scenes[2]);
@@ -137,7 +137,7 @@ fn all_encodings_are_the_same_scene() {
 }
 
 #[test]
-fn headers_end_in_all_three_ways() {
+fn headers_may_end_with_lf_crlf_or_cr() {
     let expected = load("scan.ply", &file(FORMATS[1], HEADER, &rows())).unwrap();
     for ending in ["\r\n", "\r"] {
         // A body that begins with a line feed must keep it.
@@ -188,7 +188,7 @@ fn headers_have_marks_and_capitals_and_colours_may_be_bytes_in_floats() {
 }
 
 #[test]
-fn entries_come_in_any_order_under_any_name_and_share_lines() {
+fn elements_may_come_in_any_order_and_share_lines() {
     let points = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"];
     let text = plain(&points, &["4 0 1 2 3", "3 0 1 2"]);
     let expected = load("scan.ply", text.as_bytes()).unwrap().meshes;
@@ -246,7 +246,7 @@ fn packed_colors_are_unpacked() {
 }
 
 #[test]
-fn images_are_told() {
+fn unsupported_texture_files_are_reported() {
     let text = plain(&["0 0 0", "1 0 0", "0 1 0"], &["3 0 1 2"])
         .replace("1.0\n", "1.0\ncomment TextureFile my scan.png\n");
     let scene = load("scan.ply", text.as_bytes()).unwrap();
@@ -254,7 +254,7 @@ fn images_are_told() {
 }
 
 #[test]
-fn strips_are_triangles() {
+fn triangle_strips_are_loaded() {
     let text = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
                 property float z\nelement tristrips 1\nproperty list int int vertex_indices\n\
                 end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 2 0\n9 0 1 2 3 -1 1 4 3 -1\n";
@@ -263,7 +263,7 @@ fn strips_are_triangles() {
 }
 
 #[test]
-fn places_that_are_no_numbers_matter_only_where_used() {
+fn non_finite_positions_matter_only_if_used() {
     let vertices = ["0 0 0", "1 0 0", "0 1 0", "nan 0 0"];
     let scene = load("scan.ply", plain(&vertices, &["3 0 1 2"]).as_bytes()).unwrap();
     let without = load("scan.ply", plain(&vertices[..3], &["3 0 1 2"]).as_bytes()).unwrap();
@@ -329,7 +329,7 @@ fn huge_counts_take_no_memory() {
 }
 
 #[test]
-fn the_budget_is_kept_with_numbers() {
+fn geometry_beyond_the_budget_is_refused_with_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let many = plain(&vec!["0 0 0"; 30_000], &["3 0 1 2"]);
     let path = write(folder.path(), "scan.ply", many.as_bytes());
@@ -344,7 +344,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
     #[test]
-    fn any_bytes_are_no_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+    fn arbitrary_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
         let _ = load_from_memory("scan.ply", &bytes);
         for format in FORMATS {
             let mut head = file(format, HEADER, &[]);
@@ -354,7 +354,7 @@ proptest! {
     }
 
     #[test]
-    fn any_damage_is_no_panic(at in any::<prop::sample::Index>(), byte in any::<u8>(), cut in 0_usize..40) {
+    fn damaged_files_never_panic(at in any::<prop::sample::Index>(), byte in any::<u8>(), cut in 0_usize..40) {
         for format in FORMATS {
             let mut bytes = file(format, HEADER, &rows());
             let at = at.index(bytes.len());
@@ -366,7 +366,7 @@ proptest! {
 }
 
 #[test]
-fn what_is_behind_the_last_element_is_told() {
+fn trailing_data_is_reported() {
     let told = |format: &str, more: &[u8]| {
         let whole = [file(format, HEADER, &rows()), more.to_vec()].concat();
         let scene = load("scan.ply", &whole).unwrap();

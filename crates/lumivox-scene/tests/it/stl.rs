@@ -127,7 +127,7 @@ fn edges_are_smoothed_where_asked() {
 }
 
 #[test]
-fn units_and_axes_are_the_users() {
+fn unit_and_up_options_are_applied() {
     let folder = tempfile::tempdir().unwrap();
     let path = write(folder.path(), "part.stl", &binary(b"", 2, &ROOF, 0));
     let mut options = LoadOptions { up: UpAxis::Z, unit_m: 0.001, ..LoadOptions::default() };
@@ -159,7 +159,7 @@ fn progress_ends_at_the_length() {
 }
 
 #[test]
-fn the_budget_is_kept_with_numbers() {
+fn geometry_beyond_the_budget_is_refused_with_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let budget = MemoryBudget { geometry_bytes: 1 << 20, ..MemoryBudget::default() };
     let triangles = vec![ROOF[0]; 10_000];
@@ -173,7 +173,7 @@ fn the_budget_is_kept_with_numbers() {
 }
 
 #[test]
-fn a_place_that_is_no_number_costs_its_triangle() {
+fn a_non_finite_position_drops_its_triangle() {
     let mut odd = ROOF;
     odd[1][2][0] = f32::INFINITY;
     let folder = tempfile::tempdir().unwrap();
@@ -190,7 +190,7 @@ fn a_place_that_is_no_number_costs_its_triangle() {
 }
 
 #[test]
-fn words_that_end_something_may_be_two() {
+fn end_keywords_may_be_two_words() {
     let two = text("roof", &ROOF).replace("end", "end ");
     for text in [two.clone(), two.to_uppercase(), two.replace("end solid roof", "endsolid")] {
         let scene = load("part.stl", text.as_bytes()).unwrap();
@@ -245,7 +245,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
     #[test]
-    fn any_bytes_are_no_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+    fn arbitrary_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
         let _ = load_from_memory("part.stl", &bytes);
         let mut head = binary(b"", 2, &[], 0);
         head.extend(&bytes);
@@ -253,7 +253,7 @@ proptest! {
     }
 
     #[test]
-    fn any_damage_is_no_panic(
+    fn damaged_files_never_panic(
         at in 0_usize..400, byte in any::<u8>(), end in 0_usize..400, crease in any::<bool>(),
     ) {
         let folder = tempfile::tempdir().unwrap();
@@ -286,7 +286,7 @@ fn big_endian_files_are_read_and_told() {
 }
 
 #[test]
-fn a_solids_name_may_have_the_words_of_the_format() {
+fn solid_names_may_contain_format_keywords() {
     for name in ["facet", "endsolid", "facet normal", "my facet normal x", "outer loop vertex 1"] {
         let whole = text(name, &ROOF);
         let scene = load("part.stl", whole.as_bytes()).unwrap_or_else(|e| panic!("{name}: {e}"));

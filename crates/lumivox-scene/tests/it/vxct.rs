@@ -28,7 +28,7 @@ fn load(name: &str) -> Scene {
 }
 
 #[test]
-fn shipped_scenes_load_without_a_word_and_survive_being_saved() {
+fn shipped_scenes_load_without_warnings_and_round_trip() {
     let names: Vec<_> = shipped().iter().map(|file| file.file_name().unwrap().to_owned()).collect();
     assert_eq!(names, ["cornell.scene", "emit.scene", "gallery.scene", "many.scene"]);
     for file in shipped() {
@@ -54,7 +54,7 @@ fn shipped_scenes_load_without_a_word_and_survive_being_saved() {
 }
 
 #[test]
-fn the_shipped_scenes_are_what_their_names_say() {
+fn shipped_scenes_have_their_expected_content() {
     let cornell = load("cornell.scene");
     let hidden: Vec<_> = cornell.instances.iter().filter(|i| i.is_hidden).collect();
     assert_eq!(hidden.len(), 1);
@@ -117,7 +117,7 @@ fn two() -> Scene {
 }
 
 #[test]
-fn what_is_hidden_is_nowhere() {
+fn hidden_instances_do_not_count() {
     let all = two();
     let near = builtin::scene("furnace").unwrap();
     let mut scene = all.clone();
@@ -141,7 +141,7 @@ fn what_is_hidden_is_nowhere() {
 }
 
 #[test]
-fn a_scene_that_is_all_hidden_needs_a_box() {
+fn a_fully_hidden_scene_needs_grid_bounds() {
     let mut scene = two();
     scene.instances.iter_mut().for_each(|instance| instance.is_hidden = true);
     let message = scene.validate().unwrap_err().to_string();
@@ -164,7 +164,7 @@ fn a_scene_that_is_all_hidden_needs_a_box() {
 }
 
 #[test]
-fn the_box_of_the_voxels_turns_with_the_scene() {
+fn grid_bounds_turn_with_the_scene() {
     let mut scene = two();
     scene.grid_bounds = Some(Bounds { min: Vec3::ZERO, max: Vec3::new(1.0, 2.0, 3.0) });
     scene.transform(Mat4::from_rotation_z(std::f32::consts::FRAC_PI_2));
@@ -189,7 +189,7 @@ fn hierarchy() -> File {
 }
 
 #[test]
-fn invisible_nodes_hide_all_below_them() {
+fn invisible_nodes_hide_their_children() {
     let scene = hierarchy().load().unwrap();
     let hidden: Vec<_> = scene.instances.iter().map(|i| (i.name.as_str(), i.is_hidden)).collect();
     assert_eq!(hidden, [("near", false), ("child", true)]);
@@ -212,7 +212,7 @@ fn invisible_nodes_hide_all_below_them() {
 }
 
 #[test]
-fn marks_since_loading_outlive_poses() {
+fn instance_marks_survive_posing() {
     let mut file = File::triangle();
     file.json["nodes"] = json!([
         { "name": "first", "mesh": 0 },

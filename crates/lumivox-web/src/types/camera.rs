@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cameras_come_back_as_they_went() {
+    fn cameras_round_trip_through_javascript() {
         let camera = lumivox_scene::Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 0.7);
         let again = Camera::from(&camera).to_scene(&camera).unwrap();
         assert!(again.forward.distance(camera.forward) < 1e-6);

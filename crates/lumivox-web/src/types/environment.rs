@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_out_stays() {
+    fn omitted_environment_fields_stay_unchanged() {
         assert_eq!(
             EnvironmentInfo::from(&changed("{}").unwrap()).panorama.as_deref(),
             Some("hall")
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn what_surroundings_cannot_be_is_told() {
+    fn invalid_environments_are_refused() {
         let message = |text| changed(text).unwrap_err().message;
         assert!(message(r#"{ "radiance": [1, -1, 0] }"#).contains("from 0 to 1e10"));
         assert!(message(r#"{ "rotation_deg": 400 }"#).contains("from -360 to 360"));

@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_named_changes_and_the_rest_stays() {
+    fn only_named_material_fields_change() {
         let red = lumivox_scene::Material::diffuse("red", Vec3::X);
         let rough = change(r#"{ "roughness": 0.25, "emission": [1, 2, 3] }"#).of(&red).unwrap();
         let told = Material::from(&rough);
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn alpha_stays_where_the_colour_changes() {
+    fn changing_the_colour_keeps_alpha() {
         let color = Vec4::new(1.0, 1.0, 1.0, 0.5);
         let shading = lumivox_scene::Shading::Unlit(Unlit { color, color_texture: None });
         let glass = lumivox_scene::Material { shading, ..Default::default() };
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_material_cannot_be_is_told() {
+    fn invalid_material_changes_are_refused() {
         let red = lumivox_scene::Material::diffuse("red", Vec3::X);
         let message = |text, material: &_| change(text).of(material).unwrap_err().message;
         assert_eq!(

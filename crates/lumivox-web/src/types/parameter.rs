@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parameters_have_their_ranges() {
+    fn parameter_info_has_ranges_and_choices() {
         let all = ParameterInfo::all();
         let of = |name: &str| all.iter().find(|info| info.name == name).unwrap();
         assert_eq!((of("frames").min, of("frames").max), (Some(1.0), Some(65_536.0)));

@@ -24,7 +24,7 @@ async function example() {
     return text;
 }
 
-test("the example shows its picture, calls may overlap, and a renderer that was freed is gone", async () => {
+test("the example renders, calls overlap, freed renderers throw", async () => {
     const body = await example();
     const app = await App.open(session, {
         path: "lumivox/example.html",
@@ -64,14 +64,14 @@ test("the example shows its picture, calls may overlap, and a renderer that was 
     await app.close();
 });
 
-test("the example is the one of the package's page", async () => {
+test("README.md contains the example", async () => {
     const [readme, file] = await Promise.all(["README.md", "example.html"].map((name) => readFile(join(pageFolder(), "lumivox", name), "utf8")));
     assert.ok(readme.includes(file.trim()), "README.md and example.html must have the same example");
     const script = file.slice(file.indexOf("<script"));
     assert.ok(script.trim().split("\n").length <= 20, "the example has at most 20 lines");
 });
 
-test("the playground runs what is written there, and tells its errors", async () => {
+test("the playground runs its code and shows errors", async () => {
     const app = await App.open(session, { path: "playground.html#let" });
     await app.page.evaluate(() => {
         const code = /** @type {HTMLTextAreaElement} */ (document.querySelector("textarea"));

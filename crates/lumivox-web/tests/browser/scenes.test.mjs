@@ -158,7 +158,7 @@ async function nativeReference(/** @type {string[]} */ ...options) {
     return file;
 }
 
-test("the same is rendered again to the bit", async () => {
+test("rendering twice gives equal bits", async () => {
     const first = await app.pictureWith({ resolution: 32 });
     await app.pictureWith({ resolution: 40 });
     const again = await app.pictureWith({ resolution: 32 });

@@ -62,7 +62,7 @@ describe("scenes of three.js whose light is known, in a bundle of webpack", () =
         isNear(blue, red, 0.001);
     });
 
-    test("a mirrored room is as bright, whatever colours its material does not ask for", async () => {
+    test("a mirrored room ignores unused vertex colours", async () => {
         isNear((await light("mirrored"))[0], 2, 0.05);
     });
 
@@ -94,7 +94,7 @@ describe("scenes of three.js whose light is known, in a bundle of webpack", () =
         assert.ok(after > 1.6 * before, `${before}, then ${after}`);
     });
 
-    test("an image that shines gives its colour, and another once it was drawn anew", async () => {
+    test("an emissive image updates the light when redrawn", async () => {
         const { before, after } = await light("image");
         assert.ok(before[0] > 0.3 && before[1] < 0.01 * before[0], `${before}`);
         assert.ok(after[1] > 0.3 && after[0] < 0.05 * after[1], `${after}`);
@@ -112,7 +112,7 @@ describe("scenes of three.js whose light is known, in a bundle of webpack", () =
         assert.ok(x > 0.02, `${x}`);
     });
 
-    test("what is wrong is an error with a code and a remedy", async () => {
+    test("bad options throw errors with code and remedy", async () => {
         const said = await light("wrong");
         assert.match(said.scene, /^value: .*createGi\(renderer, \{ scene, camera \}\)/);
         assert.match(said.empty, /^value: .*options\.bounds/);
@@ -125,7 +125,7 @@ describe("scenes of three.js whose light is known, in a bundle of webpack", () =
 
     test("the console stays silent", () => app.check());
 
-    test("what goes wrong in a frame is told once, and the page goes on", async () => {
+    test("a frame error is reported once and recoverable", async () => {
         assert.deepEqual(await light("misuse"), ["a frame has no new light: number 7 of a material is NaN"]);
         assert.match(app.messages.take().join(), /number 7 of a material is NaN/);
         isNear((await light("furnace"))[0], 2, 0.05);

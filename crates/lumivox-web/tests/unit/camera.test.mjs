@@ -21,7 +21,7 @@ test("an orbit keeps its target and its distance, and follows the pointer", () =
     assert.ok(orbit(camera, 0, 0.1).position[1] > 1);
 });
 
-test("nothing turns over at the poles, and there is a way back", () => {
+test("orbiting past the poles never flips the camera", () => {
     for (const move of [orbit, look]) {
         let turned = camera;
         for (let step = 0; step < 50; step += 1) turned = move(turned, 0.1, 0.2);
@@ -46,13 +46,13 @@ test("flying follows the view", () => {
     near(subtract(moved.target, moved.position), [0, 0, -5]);
 });
 
-test("what is at the target follows the pointer", () => {
+test("panning keeps the target under the pointer", () => {
     const height = 2 * 5 * Math.tan((23 * Math.PI) / 180);
     near(pan(camera, 0.5, 0).position, [-0.5 * height, 1, 5]);
     near(pan(camera, 0, 0.25).position, [0, 1 + 0.25 * height, 5]);
 });
 
-test("a dolly ends before its target", () => {
+test("a dolly stops before its target", () => {
     near(dolly(camera, 0.5, 0.1).position, [0, 1, 2.5]);
     near(dolly(camera, 1e-9, 0.1).position, [0, 1, 0.1]);
     // A camera that is already nearer is not moved back.
@@ -93,7 +93,7 @@ test("another axis may point up", () => {
     near(fly(lying, [0, 2, 0]).position, [0, -5, 3]);
 });
 
-test("who looks at a point stays where he is, and orbits it", () => {
+test("lookAt keeps the position and sets the target", () => {
     const turned = lookAt(camera, [2, 1, 1]);
     assert.deepEqual(turned.position, camera.position);
     near(axes(turned).forward, [2 / Math.hypot(2, 4), 0, -4 / Math.hypot(2, 4)]);

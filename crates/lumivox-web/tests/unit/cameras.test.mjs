@@ -11,7 +11,7 @@ function storage() {
     return { items, getItem: (key) => items.get(key) ?? null, setItem: (key, text) => void items.set(key, text), removeItem: (key) => void items.delete(key) };
 }
 
-test("views are there again, each with its scene", () => {
+test("stored views are restored per scene", () => {
     const store = storage();
     const kept = new KeptCameras(() => store, "builtin:cornell");
     kept.keep("corner", camera);
@@ -26,7 +26,7 @@ test("views are there again, each with its scene", () => {
     assert.equal(store.items.size, 0);
 });
 
-test("what cannot be read is left out", () => {
+test("unreadable stored views are skipped", () => {
     const store = storage();
     store.setItem("lumivox cameras a", JSON.stringify({ broken: "1,2", whole: "0,1,4,0,1,0,40", odd: 3 }));
     assert.deepEqual(new KeptCameras(() => store, "a").all.map(({ name }) => name), ["whole"]);
@@ -36,7 +36,7 @@ test("what cannot be read is left out", () => {
     }
 });
 
-test("without a storage views are kept until the page is closed, and it says so", () => {
+test("without storage, views last until the page closes", () => {
     const kept = new KeptCameras(() => { throw new Error("forbidden"); }, "a");
     assert.throws(() => kept.keep("corner", camera), /when the page is closed/);
     assert.equal(kept.all[0].name, "corner");

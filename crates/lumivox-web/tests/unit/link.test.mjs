@@ -16,7 +16,7 @@ const known = {
     ],
 };
 
-test("what is written is read again", () => {
+test("links round-trip through encode and decode", () => {
     const state = {
         scene: "https://example.org/a b/hall.glb?x=1&y=2#part",
         environment: "skies/day.exr",
@@ -35,7 +35,7 @@ test("what is written is read again", () => {
     }
 });
 
-test("three numbers are written as their text", () => {
+test("vectors are written as comma-separated numbers", () => {
     assert.equal(encode({ settings: { grid_offset: [0.5, 0, 0.1] } }), "grid_offset=0.5,0,0.1");
 });
 
@@ -60,7 +60,7 @@ test("a link can be read by people", () => {
     assert.equal(text, "scene=builtin:cornell&camera=0,1,4,0,1,0,40&exposure=-1.5");
 });
 
-test("a link carries what is not as it would be anyway", () => {
+test("a link carries only values that differ from defaults", () => {
     const settings = { view: "direct", resolution: 64, exposure: "auto", specular: false, grid_offset: [0, 0, 0] };
     const now = { source: "builtin:cornell", camera: null, settings, touched: new Set(["resolution", "specular", "grid_offset"]) };
     assert.deepEqual(linkState(now, known.parameters), { scene: "builtin:cornell", settings: { specular: false } });
@@ -75,11 +75,11 @@ test("a link carries what is not as it would be anyway", () => {
     assert.equal(linkState({ ...now, source: [] }, known.parameters).scene, undefined);
 });
 
-test("no link is no problem", () => {
+test("an empty link gives an empty state", () => {
     for (const hash of ["", "#"]) assert.deepEqual(decode(hash, known), { state: { settings: {} }, problems: [] });
 });
 
-test("what is broken is told of, and the rest holds", () => {
+test("broken fields are reported and the rest applies", () => {
     const { state, problems } = decode("#resolution=many&exposure=2&view=nothing", known);
     assert.deepEqual(state.settings, { exposure: 2 });
     assert.deepEqual(problems, [
@@ -126,7 +126,7 @@ for (const [field, part] of [
     });
 }
 
-test("a link of any length is told of at once", () => {
+test("an overlong link is reported as a problem", () => {
     const { state, problems } = decode(`#scene=${"a".repeat(100_000)}`, known);
     assert.deepEqual(state, { settings: {} });
     assert.equal(problems.length, 1);

@@ -10,7 +10,7 @@ const histogram = (filled, white) => {
     return { bins, bins_per_stop: 4, first_stop: -14, stops: -3.25, middle_grey: white - 10, white, share_above_white: 0.0123 };
 };
 
-test("a histogram shows what the screen can, and whatever holds pixels", () => {
+test("the histogram shows the display range and filled bins", () => {
     assert.deepEqual(shown(histogram([60, 70], 80)), { first: 32, end: 92 });
     assert.deepEqual(shown(histogram([20, 140], 80)), { first: 20, end: 141 });
     // Black does not extend the range.

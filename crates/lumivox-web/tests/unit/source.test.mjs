@@ -6,7 +6,7 @@ import { isPanorama, nameOf } from "../../page/source.js";
 
 const files = (...paths) => paths.map((path) => ({ path }));
 
-test("a panorama alone is one, beside a scene it is a part of it", () => {
+test("a picture is a panorama only without a scene", () => {
     for (const source of ["https://example.org/hall.hdr", "a/b.EXR?raw=1#x", "sky.jpg", files("hall.hdr"), files("photo.png"), files("a.hdr", "readme.md")]) {
         assert.equal(isPanorama(source), true, JSON.stringify(source));
     }
@@ -15,7 +15,7 @@ test("a panorama alone is one, beside a scene it is a part of it", () => {
     }
 });
 
-test("a source is called by what matters in it", () => {
+test("a source is named after its main file", () => {
     assert.equal(nameOf("builtin:cornell"), "cornell");
     assert.equal(nameOf(files("room/wood.png", "room/hall.hdr", "room/room.gltf")), "room/room.gltf");
     assert.equal(nameOf(files("readme.md", "hall.hdr")), "hall.hdr");

@@ -322,7 +322,7 @@ fn covers(face: &FaceRecord, at: Vec3) -> bool {
 }
 
 #[test]
-fn rays_equal_their_twin() {
+fn gpu_rays_match_the_cpu_twin() {
     let (device, queue) = device();
     let grid = Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), 32, Vec3::ZERO).expect("fits");
     let Traced { gi, cones, found: traced } = trace(&device, &queue, GiConfig::new(grid));
@@ -371,7 +371,7 @@ fn shown_share(taken: f32, transmittance: f32, level: u32, width: f32, values: v
 }
 
 #[test]
-fn march_of_a_model_equals_its_twin() {
+fn marching_with_a_cone_model_matches_the_cpu_twin() {
     // The values are those of CONES_WGSL.
     assert_marches_like_its_twin(Arc::new(Stylized), |taken, transmittance, level, width| {
         (taken * (1.0 + 2.0 * level as f32)).min(transmittance.max(taken))

@@ -127,7 +127,7 @@ fn a_lamp_below_a_ceiling_sends_out_all_its_light() {
 
 /// A single frame knows the lamp everywhere: it is not met by chance.
 #[test]
-fn one_frame_is_near_the_truth_at_every_point() {
+fn one_frame_approximates_the_lamp_at_every_point() {
     let [corner, u, v] = lamp(0.9);
     let scene = SceneBuilder::default().quad(corner, u, v, lambert(0.0, 1.0)).quad(
         Vec3::ZERO,
@@ -143,7 +143,7 @@ fn one_frame_is_near_the_truth_at_every_point() {
 
 /// A back does not shine, unless it is one of a surface with two sides.
 #[test]
-fn lamps_shine_to_their_front() {
+fn only_double_sided_emitters_shine_to_the_back() {
     for double_sided in [false, true] {
         let [corner, u, v] = lamp(0.5);
         let material = SurfaceMaterial { double_sided, ..lambert(0.0, 1.0) };
@@ -240,7 +240,7 @@ fn a_dim_cover_hides_the_lamp_in_it() {
 
 /// Below a plate there is its shadow; beside it the lamp is seen in part.
 #[test]
-fn plates_shade_lamps() {
+fn a_plate_casts_a_shadow_below_a_lamp() {
     let [corner, u, v] = lamp(0.9);
     let double_sided = SurfaceMaterial { double_sided: true, ..lambert(0.0, 0.0) };
     let scene = SceneBuilder::default().quad(corner, u, v, lambert(0.0, 1.0)).quad(
@@ -301,7 +301,7 @@ fn ten_thousand_emitters_add_up() {
 /// a choice by power only would seldom find the nearest ones, and has an error of 12 %; here it is
 /// 2.5 %.
 #[test]
-fn the_nearest_of_many_lamps_are_found() {
+fn near_emitters_are_sampled_among_thousands() {
     const SIZE: f32 = 0.002;
     let spread = |i: u32, step: f32| 0.05 + 0.9 * (i as f32 * step).fract();
     let corners: Vec<Vec3> = (0..5000_u32)
@@ -391,7 +391,7 @@ fn textures_shine_where_they_are_bright() {
 
 /// Pieces of a triangle cover it: once, and with its own orientation.
 #[test]
-fn pieces_make_up_the_whole() {
+fn emitter_pieces_cover_the_triangle_once() {
     let mut lab = Lab::empty(VolumeKind::Dense, 32);
     let (geometry, _buffers) = half_red(&lab.device, &lab.queue);
     lab.take(&geometry);
@@ -412,7 +412,7 @@ fn pieces_make_up_the_whole() {
 
 /// A closed room of emitters: walls next to each other, and corners, where solid angles are large.
 #[test]
-fn walls_that_shine_light_each_other() {
+fn glowing_walls_light_each_other() {
     let room = SceneBuilder::default().room(Vec3::ZERO, Vec3::ONE, &lambert(0.0, 1.0));
     let lab = Lab::new(room, 32);
     let points: Vec<(Vec3, Vec3)> = (0..100)
@@ -433,7 +433,7 @@ fn walls_that_shine_light_each_other() {
 /// place from elsewhere, except for the last bits in octrees, whose bricks are elsewhere then.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn lamps_have_the_same_bits_wherever_they_come_from() {
+fn a_lamps_light_does_not_depend_on_its_past() {
     for volume in [VolumeKind::Dense, VolumeKind::Octree] {
         let scene = || {
             let [corner, u, v] = lamp(0.5);
@@ -481,7 +481,7 @@ fn lamps_have_the_same_bits_wherever_they_come_from() {
 
 /// Once nothing shines any more, it is dark.
 #[test]
-fn lamps_go_out() {
+fn no_light_remains_after_emission_is_removed() {
     let [corner, u, v] = lamp(0.9);
     let mut lab = Lab::empty(VolumeKind::Dense, 16);
     let scene = SceneBuilder::default().quad(corner, u, v, lambert(0.5, 1.0));

@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn faces_lie_beside_each_other_and_within_the_texture() {
+    fn cube_faces_do_not_overlap_in_the_atlas() {
         for edge in [2, 4, 64, 1024] {
             let layout = Layout::new(edge);
             let faces = (0..layout.mips()).flat_map(|mip| (0..6).map(move |face| (mip, face)));
@@ -148,7 +148,7 @@ mod tests {
     /// A function that is smooth over the sphere is smooth across every edge: texels beyond an edge
     /// differ no more than those within.
     #[test]
-    fn borders_go_on_where_the_neighbour_begins() {
+    fn face_borders_continue_the_neighbouring_face() {
         let edge = 16;
         let cube = smooth(edge);
         for face in 0..6 {

@@ -16,7 +16,7 @@ fn passes(stage: &mut Stage, frame: Frame<'_>) -> (usize, FrameStatus) {
 /// nothing until geometry or lights change.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_frame_records_only_changes() {
+fn unchanged_frames_record_nothing() {
     for volume in volumes() {
         let mut stage = Stage::with(volume, Vec3::new(1.0, 0.7, 0.9), 16);
         let mut geometry = moved(&room_with_a_box().build(&stage.device), at(0.3, 0.4, 0.6));

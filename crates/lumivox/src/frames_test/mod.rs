@@ -192,7 +192,7 @@ fn volumes() -> [VolumeKind; 2] {
 /// static room, with nothing at all.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn frames_have_the_bits_of_a_new_object() {
+fn frames_converge_to_the_bits_of_a_fresh_gi() {
     for volume in volumes() {
         check_frames(volume);
     }
@@ -241,7 +241,7 @@ fn check_frames(volume: VolumeKind) {
 /// kept, and a few frames later the buffers are large enough.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_frame_without_room_is_late_and_never_wrong() {
+fn an_overflowing_frame_keeps_the_former_voxels() {
     for volume in volumes() {
         check_late(volume);
     }
@@ -282,7 +282,7 @@ fn check_late(volume: VolumeKind) {
 /// recorded, and a frame whose result is not known yet is reported as pending.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_late_frame_is_reported_though_nothing_more_is_recorded() {
+fn overflow_is_reported_even_if_nothing_is_recorded() {
     for volume in volumes() {
         check_status(volume);
     }
@@ -325,7 +325,7 @@ fn check_status(volume: VolumeKind) {
 /// A moving object enters a scene of which nothing was kept, since all of it was static: until
 /// static surface is collected again, the voxels do not change.
 #[test]
-fn what_stood_alone_stays_until_it_is_there_again() {
+fn static_voxels_stay_until_static_surface_is_collected() {
     let mut stage = Stage::new(Vec3::new(1.0, 0.7, 0.9), 32);
     let both = moved(&room_with_a_box().build(&stage.device), at(0.3, 0.4, 0.6));
     let mut alone = both.clone();
@@ -343,7 +343,7 @@ fn what_stood_alone_stays_until_it_is_there_again() {
 
 /// Recordings that wait for each other: nothing is submitted in between.
 #[test]
-fn recordings_keep_what_they_were_given() {
+fn unsubmitted_recordings_keep_their_own_inputs() {
     let mut stage = Stage::new(Vec3::new(1.0, 0.7, 0.9), 32);
     let geometry = room_with_a_box().build(&stage.device);
     stage.catch_up(&moved(&geometry, at(0.3, 0.4, 0.6)));
@@ -427,7 +427,7 @@ fn response(faces: impl Fn(u32) -> Option<u32>, frames: u32) -> (Vec<f64>, [f64;
 /// In the share of light that docs/moving.md states.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn light_follows_a_switch_within_frames() {
+fn light_follows_a_lamp_switch_within_frames() {
     let (whole, [settled, solved]) = response(|_| None, 10);
     println!("whole gathers: {whole:.3?}, settles to {settled} of {solved}");
     assert!(whole[0] >= 0.55 && whole[3] >= 0.95 && whole[7] >= 0.99, "{whole:?}");
@@ -445,7 +445,7 @@ fn light_follows_a_switch_within_frames() {
 /// infinities; other devices do.)
 #[test]
 #[ignore = "slow: over three seconds"]
-fn light_beyond_half_floats_is_no_infinity() {
+fn light_beyond_half_floats_is_clamped() {
     for volume in volumes() {
         let mut stage = Stage::with(volume, Vec3::ONE, 32);
         let geometry = cornell(&stage.device);
@@ -471,7 +471,7 @@ fn light_beyond_half_floats_is_no_infinity() {
 /// gone, it dies.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn light_that_feeds_itself_stays_and_dies() {
+fn reflected_light_neither_grows_nor_outlives_the_lamp() {
     let mut stage = Stage::new(Vec3::ONE, 16);
     let room = SceneBuilder::default().room(Vec3::ZERO, Vec3::ONE, &lambert(0.95, 0.0)).fixed();
     let geometry = room.build(&stage.device);
@@ -505,7 +505,7 @@ fn light_that_feeds_itself_stays_and_dies() {
 /// Light settles, and then nothing is recorded any more; it wakes up when something changes.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn what_has_settled_costs_nothing() {
+fn settled_light_records_no_passes() {
     let mut stage = Stage::new(Vec3::new(1.0, 0.7, 0.9), 16);
     let geometry = moved(&room_with_a_box().build(&stage.device), at(0.3, 0.4, 0.6));
     pollster::block_on(stage.gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");

@@ -6,7 +6,7 @@ use super::*;
 /// showed, whatever light comes, and makes up for all that it has missed.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn an_octree_without_room_shows_what_it_showed() {
+fn an_overflowing_octree_keeps_its_former_content() {
     let volume = VolumeKind::Octree;
     let mut stage = Stage::with(volume, Vec3::new(1.0, 0.7, 0.9), 64);
     // A box and a plate in the air that grow and turn.

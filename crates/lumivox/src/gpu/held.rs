@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn a_callers_encoder_holds_what_was_recorded() {
+    fn a_callers_encoder_keeps_recorded_resources_alive() {
         let (device, queue) = device();
         let target = storage_buffer(&device, "target", 16);
         let mut encoder = new_encoder(&device);
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn an_encoder_that_is_dropped_lets_go() {
+    fn dropping_an_encoder_frees_its_resources() {
         let (device, queue) = device();
         let buffer = storage_buffer(&device, "buffer", 16);
         let plain = wgpu::Buffer::clone(&buffer);

@@ -253,7 +253,7 @@ mod tests {
 
     /// Two threads that poll the device may call the callbacks of two submissions in either order.
     #[test]
-    fn a_read_that_is_done_after_a_newer_one_is_ignored() {
+    fn a_read_back_older_than_the_latest_is_ignored() {
         let mut word = Word::new();
         let (first, second) = (word.record(), word.record());
         word.submit(20, second, 2);
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn peeking_tells_what_became_of_the_last_read() {
+    fn peek_returns_the_state_of_the_last_read() {
         let mut word = Word::new();
         let first = word.record();
         assert_eq!(word.reads.peek(), (LastRead::Pending, None));

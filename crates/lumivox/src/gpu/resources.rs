@@ -322,7 +322,7 @@ mod tests {
     /// The last handle is held by something different in each case. If something is destroyed too
     /// early, the copy is wrong or wgpu reports an error.
     #[test]
-    fn what_is_recorded_stays_until_it_is_submitted() {
+    fn recorded_resources_live_until_submission() {
         let (device, queue) = device();
         let pipelines = Pipelines::new(&device);
         let mut shaders = crate::shaders::library();
@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bytes_of_textures_are_those_of_all_levels() {
+    fn texture_bytes_include_all_mip_levels() {
         let (device, _) = device();
         let made = |size, mip_level_count, dimension| {
             texel_bytes(&device.create_texture(&wgpu::TextureDescriptor {
@@ -378,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_handle_destroys() {
+    fn dropping_the_last_handle_destroys_the_buffer() {
         let (device, queue) = device();
         let buffer = storage_buffer(&device, "buffer", 16);
         let plain = wgpu::Buffer::clone(&buffer);
@@ -402,7 +402,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_holds_its_texture() {
+    fn a_view_keeps_its_texture_alive() {
         let (device, _) = device();
         let descriptor = wgpu::TextureDescriptor {
             label: Some("texture"),

@@ -114,7 +114,7 @@ fn furnace_converges_to_its_closed_form() {
 /// Walls oblique to the grid leak no more than walls along it: the same box, turned. A gather of
 /// e = 1 by surfaces that reflect one half adds one half.
 #[test]
-fn a_turned_furnace_keeps_its_light() {
+fn a_rotated_furnace_leaks_no_light() {
     for angles in [[0.5, 0.35, 0.4], [0.17, 0.61, 0.09], [0.3, -0.58, 0.89]] {
         let turn = Quat::from_euler(EulerRot::XYZ, angles[0], angles[1], angles[2]);
         let corner = Vec3::splat(0.5);
@@ -131,7 +131,7 @@ fn a_turned_furnace_keeps_its_light() {
 
 /// A face is never darker than black.
 #[test]
-fn no_face_sends_out_less_than_nothing() {
+fn no_face_has_negative_radiance() {
     let corner = Vec3::splat(0.5);
     let room = SceneBuilder::default().room(-corner, corner, &lambert(0.5, 0.0));
     let turn = Quat::from_euler(EulerRot::XYZ, 0.5, 0.35, 0.4);
@@ -214,7 +214,7 @@ fn direct_light_follows_the_inverse_square() {
 /// two angles as the square: `KHR_lights_punctual`, sections "Range Property" and "Inner and Outer
 /// Cone Angles".
 #[test]
-fn ranges_and_cones_of_lamps_are_those_of_gltf() {
+fn lamp_ranges_and_spot_cones_follow_gltf() {
     let bounds = (Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9));
     let mut bench = Bench::new(bounds, 32, Vec3::ZERO, busy_room());
     let (position, range_m) = (Vec3::new(0.5, 0.4, 0.6), 0.5);
@@ -285,7 +285,7 @@ fn cone_shadow_falls_below_the_plate() {
 
 /// The sky lights an open floor with pi times its radiance.
 #[test]
-fn environment_lights_what_is_open() {
+fn an_open_floor_gets_pi_times_sky_radiance() {
     let scene = SceneBuilder::default().quad(Vec3::ZERO, Vec3::Z, Vec3::X, lambert(0.5, 0.0));
     let mut bench = Bench::new((Vec3::ZERO, Vec3::new(1.0, 0.2, 1.0)), 32, Vec3::ZERO, scene);
     let mean = bench.light(&[], Vec3::splat(3.0), 2).mean(|_| true);
@@ -298,7 +298,7 @@ fn environment_lights_what_is_open() {
 /// Light that lacquer mirrors leaves its faces with the light that it scatters: from a sky its
 /// mean, from a lamp the value at the lamp's angle.
 #[test]
-fn lacquer_sends_out_what_it_mirrors() {
+fn radiance_of_lacquered_faces_includes_mirrored_light() {
     let gloss = Gloss { mean: 0.08, grazing: 0.6, kept_out: 0.04 };
     let floor = |gloss| {
         let material = crate::SurfaceMaterial { gloss, ..lambert(0.5, 0.0) };

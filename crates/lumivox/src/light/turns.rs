@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn light_that_was_solved_goes_on_without_what_has_not_changed() {
+    fn turns_after_a_solve_skip_unchanged_work() {
         let mut turns = Turns::default();
         turns.restart(1, 17);
         let all: Vec<Turn> = std::iter::from_fn(|| next(&mut turns, None)).collect();
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn all_faces_look_at_emitters_again_after_a_move() {
+    fn after_a_move_all_faces_resample_emitters() {
         let mut turns = Turns::default();
         turns.restart(1, 17);
         turns.surface_moved();

@@ -109,7 +109,7 @@ fn direct_light_at_points_follows_the_inverse_square() {
 
 /// A wall gets half of the sky's light, and its open share equals that.
 #[test]
-fn sky_lights_points_by_what_is_open() {
+fn sky_light_at_points_follows_their_open_share() {
     let floor = SceneBuilder::default().quad(
         Vec3::ZERO,
         Vec3::Z,
@@ -132,7 +132,7 @@ fn sky_lights_points_by_what_is_open() {
 /// A few frames at a time give the mean that all at once give, and the order of points does not
 /// matter.
 #[test]
-fn frames_add_up_whatever_the_order() {
+fn split_gathers_and_reordered_points_give_equal_results() {
     let room = SceneBuilder::default().room(Vec3::ZERO, Vec3::ONE, &lambert(0.5, 1.0));
     let lab = Lab::new(room, 16, (&[], Vec3::ZERO), 2);
     let points = scattered(16);
@@ -165,7 +165,7 @@ fn frames_add_up_whatever_the_order() {
 /// Every requested frame is gathered, however many there are, even if a frame takes long: among
 /// many emitters.
 #[test]
-fn no_frame_is_left_out() {
+fn every_requested_frame_is_gathered() {
     let rooms = (0..8).fold(SceneBuilder::default(), |scene, index| {
         let edge = 1.0 - 0.1 * index as f32;
         let low = Vec3::splat(0.5 - 0.5 * edge);
@@ -183,7 +183,7 @@ fn no_frame_is_left_out() {
 }
 
 #[test]
-fn points_that_cannot_be_are_refused() {
+fn invalid_points_are_refused() {
     let room = SceneBuilder::default().room(Vec3::ZERO, Vec3::ONE, &lambert(0.5, 1.0));
     let lab = Lab::new(room, 16, (&[], Vec3::ZERO), 1);
     let refused = |positions: &[Vec3], normals: &[Vec3], frames| {

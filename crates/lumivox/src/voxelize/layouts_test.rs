@@ -9,7 +9,7 @@ use super::union::{Capacity, Needs, ResolveParams, UnitedVoxel};
 use crate::voxels::FaceRecord;
 
 #[test]
-fn structs_lie_in_memory_alike() {
+fn rust_and_wgsl_structs_have_the_same_layout() {
     let library = &crate::shaders::library();
     check_struct::<DrawRecord>(library, "voxelize::triangles", "Draw");
     check_struct::<TexturePlace>(library, "voxelize::triangles", "TexturePlace");

@@ -223,7 +223,7 @@ mod tests {
     use crate::voxels::{ListCounts, NodeRange};
 
     #[test]
-    fn structs_lie_in_memory_alike() {
+    fn rust_and_wgsl_structs_have_the_same_layout() {
         let library = &crate::shaders::library();
         check_struct::<PyramidParams>(library, "voxels::pyramid", "PyramidParams");
         check_struct::<ListCounts>(library, "voxels::counts", "ListCounts");

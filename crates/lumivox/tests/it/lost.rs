@@ -26,7 +26,7 @@ fn geometry(device: &wgpu::Device) -> Geometry {
 }
 
 #[test]
-fn a_device_may_be_lost_in_the_middle_of_a_frame() {
+fn losing_the_device_mid_frame_does_not_panic() {
     for volume in [VolumeKind::Dense, VolumeKind::Octree] {
         let (device, queue) = pollster::block_on(open_device()).expect("a device");
         let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO).expect("it fits");

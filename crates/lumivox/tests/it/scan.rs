@@ -4,7 +4,7 @@ use lumivox::gpu::{Recorder, read_buffer, upload};
 use lumivox::internal::Scan;
 
 #[test]
-fn scan_equals_a_loop() {
+fn gpu_scan_matches_a_cpu_loop() {
     let (device, queue) = crate::common::device();
     let scan = Scan::new(&device, &lumivox::shaders::library()).expect("the shader links");
     for count in [1_u32, 2, 7, 2047, 2048, 2049, 5000, 4_200_000] {

@@ -174,7 +174,7 @@ mod tests {
 
     /// Air whose density falls in proportion to height has half of its depth in half of its way.
     #[test]
-    fn air_takes_its_share_of_a_sun() {
+    fn the_atmosphere_attenuates_sunlight() {
         let term = ScatteringTerm {
             absorption: Vec3::new(0.0, 4e-6, 0.0),
             scattering: Vec3::new(1e-5, 6e-6, 0.0),

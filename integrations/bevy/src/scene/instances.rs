@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rests_becomes_static_and_what_moves_does_not() {
+    fn resting_instances_become_static() {
         let mut instances = Instances::default();
         instances.set(instance(1, 0.0));
         instances.set(instance(2, 0.0));
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn slots_are_used_again() {
+    fn freed_instance_slots_are_reused() {
         let mut instances = Instances::default();
         for round in 0..10 {
             for entity in 1..=1000 {

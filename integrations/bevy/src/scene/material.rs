@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn alpha_decides_what_is_there() {
+    fn alpha_decides_if_a_surface_is_present() {
         let with = |alpha, alpha_mode| {
             let base_color = LinearRgba::WHITE.with_alpha(alpha);
             GiSurface { base_color, alpha_mode, ..GiSurface::default() }.is_there()

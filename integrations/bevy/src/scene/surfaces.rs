@@ -211,7 +211,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_of_what_is_gone_are_used_again() {
+    fn numbers_of_removed_assets_are_reused() {
         let mut numbers = Numbers::default();
         let mut materials = Assets::<StandardMaterial>::default();
         for _ in 0..10 {

@@ -84,7 +84,7 @@ fn a_moved_block_leaves_no_trace_with_or_without_taa() {
 }
 
 #[test]
-fn objects_and_assets_may_change() {
+fn light_follows_changed_objects_and_assets() {
     let _alone = alone();
     let mut stage = Stage::cornell();
     let empty = stage.settled();
@@ -207,7 +207,7 @@ fn hidden_and_excluded_things_give_no_light(stage: &mut Stage, empty: &Shot) {
 }
 
 #[test]
-fn cameras_and_settings_may_change() {
+fn light_follows_changed_cameras_and_settings() {
     let _alone = alone();
     let mut stage = Stage::cornell();
     let whole = stage.settled();

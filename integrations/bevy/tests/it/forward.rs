@@ -14,7 +14,7 @@ use crate::truth::{self, Expected};
 
 /// Probes blur more than cones of pixels: the same mean brightness, a larger error.
 #[test]
-fn the_cornell_box_drawn_forward_is_nearly_as_bright_as_it_is() {
+fn the_forward_cornell_box_is_near_the_path_tracer() {
     let _alone = alone();
     let mut stage = Stage::forward(&scene::builtin("cornell"), truth::SIZE);
     let [forward, own] = truth::errors_of(Expected::of_cornell(), &mut stage, "cornell-forward");
@@ -53,7 +53,7 @@ fn multisampling_stays_where_all_is_drawn_forward(stage: &mut Stage) {
 }
 
 #[test]
-fn forward_and_blended_surfaces_have_the_light_of_deferred_ones() {
+fn forward_and_blended_surfaces_match_deferred_light() {
     let _alone = alone();
     let mut stage = Stage::cornell();
     let whole = stage.settled();

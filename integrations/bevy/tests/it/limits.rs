@@ -10,7 +10,7 @@ use crate::common::scene;
 use crate::stage::{Stage, alone, quick};
 
 #[test]
-fn an_empty_world_waits_for_meshes_and_reports_what_is_left_out() {
+fn an_empty_world_waits_and_reports_skipped_objects() {
     let _alone = alone();
     let given = scene::builtin("cornell");
     let nothing =
@@ -71,7 +71,7 @@ fn what_is_left_out_is_reported_once(stage: &mut Stage) {
 
 /// A device with too few storage buffers: reported once, and Bevy continues with its own light.
 #[test]
-fn what_a_device_lacks_is_told() {
+fn missing_device_limits_are_reported_once() {
     let _alone = alone();
     let given = scene::builtin("cornell");
     let mut limits = bevy::render::settings::WgpuLimits::default();

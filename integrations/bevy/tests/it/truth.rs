@@ -170,7 +170,7 @@ pub fn errors_of(expected: &Expected, stage: &mut Stage, name: &str) -> [ErrorFi
 }
 
 #[test]
-fn the_cornell_box_is_as_bright_as_it_is_with_and_without_the_plugin() {
+fn the_cornell_box_matches_the_path_tracer() {
     let _alone = crate::stage::alone();
     let given = scene::builtin("cornell");
     let mut stage = Stage::of(&given, SIZE);

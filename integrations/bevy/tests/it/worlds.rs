@@ -22,7 +22,7 @@ fn ambient(brightness: f32) -> GlobalAmbientLight {
 
 /// The box is open only at its front, and all light of the surroundings enters there.
 #[test]
-fn surroundings_light_what_is_open() {
+fn surroundings_light_a_box_through_its_opening() {
     let _alone = alone();
     let mut stage = Stage::cornell();
     let dark = stage.settled();
@@ -166,7 +166,7 @@ fn cascades_light_a_room_as_a_box_does(stage: &mut Stage) {
 /// A sun through the front, all bounces, against the path tracer.
 #[test]
 #[ignore = "slow: as the Cornell box (`truth.rs`), of which it differs in the light alone"]
-fn a_sun_is_as_bright_as_it_is() {
+fn a_sunlit_box_matches_the_path_tracer() {
     let _alone = alone();
     let mut given = scene::builtin("cornell");
     given.name = "sun".to_owned();

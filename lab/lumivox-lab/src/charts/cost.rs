@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn the_front_is_what_nothing_beats() {
+    fn the_front_keeps_points_that_no_other_dominates() {
         let points = [
             point("a", 4, 8.0, 1.0),
             point("a", 1, 1.0, 9.0),
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn the_steps_bound_what_is_beaten() {
+    fn steps_outline_the_region_of_dominated_points() {
         let steps = steps(&[(1.0, 9.0), (4.0, 3.0)], 10.0, 20.0);
         assert_eq!(steps, [(1.0, 10.0), (1.0, 9.0), (4.0, 9.0), (4.0, 3.0), (20.0, 3.0)]);
     }

@@ -281,7 +281,7 @@ mod tests {
     /// The truth brightens by 1 and 0, ours by 1 and 2 (and by -2 in the second case): only what
     /// differs flickers.
     #[test]
-    fn only_change_that_the_truth_lacks_flickers() {
+    fn flicker_counts_only_change_absent_from_the_reference() {
         let truth = [picture(&[1.0, 3.0]), picture(&[2.0, 3.0])];
         let none = [0.0; 2];
         let known = [0, 1].map(|i| Known { picture: &truth[i], variance: &none });
@@ -299,7 +299,7 @@ mod tests {
 
     /// A still, exact picture beside a noisy truth has only the flicker of the truth's noise.
     #[test]
-    fn the_noise_of_the_truth_is_no_flicker() {
+    fn noise_of_the_reference_does_not_count_as_flicker() {
         let (count, deviation) = (20_000_u32, 0.1_f32);
         // Twelve uniform numbers less six are nearly normal (Irwin and Hall 1927).
         let mut state = 1_u64;
@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn display_values_clip() {
+    fn flicker_on_screen_ignores_changes_above_white() {
         let truth = picture(&[1.0]);
         let known = [Known { picture: &truth, variance: &[0.0] }; 2];
         let ours = [picture(&[1e6]), picture(&[2e6])];
@@ -345,7 +345,7 @@ mod tests {
     /// Black instead of white in one of two pixels: the RMSE is the root of a half. Clipped values
     /// have no noise.
     #[test]
-    fn errors_on_a_screen_are_those_of_display_values() {
+    fn screen_errors_compare_clipped_display_values() {
         let (black, truth) = (picture(&[0.0, 0.0]), picture(&[0.0, 1e6]));
         let known = Known { picture: &truth, variance: &[0.0, 1.0] };
         let error = error_on_screen([&truth, &black], known, 0.0);
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn latency_is_the_share_of_the_change() {
+    fn share_of_change_is_the_completed_part() {
         assert_eq!(share_of_change(10.0, 2.0, 4.0), Some(0.75));
         assert_eq!(share_of_change(0.0, 4.0, 5.0), Some(1.25), "an overshoot");
         assert_eq!(share_of_change(3.0, 3.0, 4.0), None);
@@ -371,7 +371,7 @@ mod tests {
     /// An exponential average leaves half of the old picture, then a quarter; light that is added
     /// evenly does not count, since the pattern has no mean.
     #[test]
-    fn the_trail_is_what_is_left_of_the_old_picture() {
+    fn trail_is_the_remaining_share_of_the_old_picture() {
         let before = picture(&[5.0, 1.0, 3.0]);
         let after = picture(&[1.0, 5.0, 3.0]);
         let mixed = |left: f32| {
@@ -397,7 +397,7 @@ mod tests {
     }
 
     #[test]
-    fn pooled_pixels_have_their_own_mean() {
+    fn pooled_errors_are_relative_to_the_pooled_mean() {
         let (truth, ours) = (picture(&[1.0, 100.0, 3.0]), picture(&[2.0, 0.0, 4.0]));
         let mut pool = Pool::default();
         let known = Known { picture: &truth, variance: &[0.0; 3] };

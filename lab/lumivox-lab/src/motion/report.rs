@@ -416,7 +416,7 @@ mod tests {
     }
 
     #[test]
-    fn only_steps_of_motion_count_and_ratios_are_those_of_marked_steps() {
+    fn only_moving_steps_count_and_ratios_need_a_still() {
         let step = |is_moving, rmse, still: Option<f64>| StepFigures {
             is_moving,
             full: Some(figures(rmse)),
@@ -433,7 +433,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_without_motion_are_no_cost_of_motion() {
+    fn cost_of_motion_excludes_still_steps() {
         let step = |ms| StepCost { ms, ..StepCost::default() };
         let steps = [step(1000.0), step(10.0), step(20.0)];
         let cost = StepCost::report(&steps, &[false, true, true]).unwrap();

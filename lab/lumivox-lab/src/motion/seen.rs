@@ -152,7 +152,7 @@ mod tests {
     /// width there, it covers four more columns, and uncovers four of the wall. On the square
     /// itself nothing is new: its points have moved with it.
     #[test]
-    fn what_a_moving_thing_uncovers_is_new() {
+    fn surface_uncovered_by_a_moving_object_is_disoccluded() {
         let camera = camera(0.0);
         let before = Seen::new(&scene(0.0), &camera, SIZE);
         let now = Seen::new(&scene(0.25), &camera, SIZE);
@@ -166,7 +166,7 @@ mod tests {
     /// edge. The square moves by twice as much in the picture as the wall behind it, so it uncovers
     /// two columns on its right.
     #[test]
-    fn a_moving_camera_finds_new_things_at_the_edge_and_behind_things() {
+    fn a_moving_camera_disoccludes_picture_edges_and_hidden_surface() {
         let now = Seen::new(&scene(0.0), &camera(0.25), SIZE);
         let mask = now.disoccluded_since(&Seen::new(&scene(0.0), &camera(0.0), SIZE));
         assert_eq!(columns(&mask, 1), [14, 15]);

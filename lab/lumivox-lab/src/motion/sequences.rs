@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn every_sequence_moves_in_its_moving_phases_and_rests_in_the_others() {
+    fn sequences_move_only_in_their_moving_phases() {
         for sequence in SEQUENCES {
             let Some(start) = started(sequence) else { continue };
             let phases = sequence.phases(None);
@@ -335,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn changes_change_something_and_leave_time_to_settle() {
+    fn changes_alter_the_scene_and_are_held_20_steps() {
         for sequence in SEQUENCES {
             let Some(start) = started(sequence) else { continue };
             let phases = sequence.phases(Some(3));
@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn marks_are_middles_and_ends_of_motion_and_both_ends_of_holds() {
+    fn marked_steps_are_middles_and_ends_of_phases() {
         let phases = [holds("a", 1), moves("b", 4), holds("c", 3)];
         assert_eq!(marked(&phases), [0, 2, 4, 5, 7]);
         assert_eq!([first_of(&phases, 2), last_of(&phases, 2)], [5, 7]);
@@ -360,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn a_closed_door_covers_the_doorway_and_an_open_one_leaves_it_free() {
+    fn the_door_covers_the_doorway_only_when_closed() {
         let sequence = Sequence::named("door").unwrap();
         let start = started(sequence).unwrap();
         let picker_at = |index: u32| {
@@ -384,7 +384,7 @@ mod tests {
     }
 
     #[test]
-    fn scenes_without_what_moves_are_refused() {
+    fn scenes_without_the_needed_objects_are_refused() {
         let mut furnace = builtin::scene("furnace").unwrap();
         for (name, words) in
             [("switch", "no lamp"), ("block", "builtin:cornell"), ("animation", "no animation")]

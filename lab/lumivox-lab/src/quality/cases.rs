@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_case_is_there_once() {
+    fn the_plan_contains_each_case_exactly_once() {
         let scenes = ["cornell".to_owned(), "glow".to_owned()];
         let presets = [Preset::Fast, Preset::High].map(PresetChoice::Cones);
         let resolutions = [64, 128, 256];

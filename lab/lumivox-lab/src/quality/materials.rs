@@ -342,7 +342,7 @@ mod tests {
 
     /// A sphere seen from afar shows its normals' sines as distances from the middle.
     #[test]
-    fn angles_are_those_of_the_ball() {
+    fn sines_match_the_outline_of_the_sphere() {
         let sines = sines();
         let middle = sines[(SIZE / 2 * SIZE + SIZE / 2) as usize];
         assert!(middle < 0.05, "{middle}");

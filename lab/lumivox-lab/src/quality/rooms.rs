@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_section_says_how_to_measure_the_same_rooms_again() {
+    fn the_section_contains_the_command_that_repeats_it() {
         let lit = RoomFigures::example("plain", Some(30.0), None);
         let fine = RoomFigures { resolution: 128, error_percent: Some(-10.0), ..lit.clone() };
         let tent = RoomFigures::example("tent", None, Some(0.5));

@@ -66,7 +66,7 @@ fn a_switched_lamp_is_measured_step_by_step() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_moving_camera_finds_what_was_hidden_and_stops() {
+fn the_orbit_sequence_reports_disocclusion_and_the_stop() {
     let folder = folder();
     let line = format!("motion builtin:cornell --sequence orbit {SMALL} --json figures.json");
     let text = lab(folder.path(), &line).expect_ok().stdout;
@@ -96,7 +96,7 @@ fn a_moving_camera_finds_what_was_hidden_and_stops() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_file_is_measured_in_its_own_animation() {
+fn a_scene_file_is_measured_in_its_own_animation() {
     let folder = folder();
     fs::write(folder.path().join("moving.glb"), moving_glb()).unwrap();
     let line = format!("motion moving.glb {SMALL} --json -");
@@ -145,7 +145,7 @@ fn the_page_has_all_tables_and_pictures_at_release() {
 }
 
 #[test]
-fn what_cannot_move_is_named() {
+fn invalid_motion_options_are_refused() {
     let folder = folder();
     for (rest, code, needles) in [
         ("--sequence jump", INPUT, &["\"jump\"", "orbit", "switch"][..]),

@@ -8,7 +8,7 @@ use crate::common::{STOPPED, command, interrupt, process};
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn the_page_on_errors_is_written_and_work_goes_on_where_it_stopped() {
+fn quality_docs_writes_the_page_and_resumes_cached_work() {
     let folder = folder();
     let line = "quality docs furnace --presets balanced,high --resolutions 16,24 --size 16x12 --samples \
                 32 --frames 2 --offsets 1 --cache kept";
@@ -42,7 +42,7 @@ fn the_page_on_errors_is_written_and_work_goes_on_where_it_stopped() {
 #[cfg(unix)]
 #[test]
 #[ignore = "slow: over three seconds"]
-fn measurements_that_are_stopped_can_be_gone_on_with() {
+fn interrupted_measurements_can_be_resumed() {
     use std::io::{BufRead as _, BufReader, Read as _};
     use std::process::Stdio;
     let folder = folder();

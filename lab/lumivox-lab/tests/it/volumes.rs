@@ -14,7 +14,7 @@ fn row<'a>(report: &'a Value, name: &str, resolution: u32) -> &'a Value {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn memory_goes_with_the_surface() {
+fn octree_memory_grows_with_the_surface() {
     let folder = folder();
     let line = "volumes builtin:cornell --resolutions 32,64 --no-trace --alternatives -o chart.svg";
     let report = lab(folder.path(), &format!("{line} --json")).expect_ok().json();

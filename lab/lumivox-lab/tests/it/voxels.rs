@@ -43,7 +43,7 @@ fn voxelizers_are_compared() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn what_keeping_static_triangles_saves_is_measured() {
+fn voxels_measures_the_savings_of_keeping_static_triangles() {
     let folder = folder();
     let line = "dynamic builtin:cornell --resolution 32 --share 0.1 --moves 2";
     let report = lab(folder.path(), &format!("{line} --json")).expect_ok().json();

@@ -281,21 +281,21 @@ mod tests {
     use super::{LockPass, count_passes, link_into};
 
     #[test]
-    fn shaders_are_valid_and_structs_lie_in_memory_alike() {
+    fn shaders_are_valid_and_struct_layouts_match() {
         let library = link_into(&shaders::library());
         assert!(check_modules(&library, "classics::locks") > 0);
         check_struct::<LockPass>(&library, "classics::locks::descend", "LockPass");
     }
 
     #[test]
-    fn passes_are_counted_until_nobody_is_deferred() {
+    fn passes_are_counted_until_no_thread_is_deferred() {
         assert_eq!(count_passes(&[4, 0, 0, 0, 0], 5).expect("all is there"), (1, 0));
         assert_eq!(count_passes(&[4, 0, 70, 9, 0], 5).expect("all is there"), (3, 79));
     }
 
     /// Such a tree would have holes.
     #[test]
-    fn threads_left_over_and_groups_missing_are_errors() {
+    fn leftover_threads_and_missing_groups_are_errors() {
         for (counters, groups, says) in [
             ([4, 0, 70, 9, 2], 5, "2 threads were left over"),
             ([3, 0, 70, 9, 0], 5, "4 groups of nodes of 5"),

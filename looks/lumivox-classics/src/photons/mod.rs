@@ -326,7 +326,7 @@ mod tests {
     use super::{MODULES, PhotonMap, link_into};
 
     #[test]
-    fn shaders_are_valid_and_structs_lie_in_memory_alike() {
+    fn shaders_are_valid_and_struct_layouts_match() {
         let library = link_into(&library_with_volume(VolumeKind::Dense, Directionality::SixLobes));
         assert!(check_modules(&library, "classics::photons") > 0);
         let (members, size) = layout(&library, MODULES[1].0, "PhotonMap");

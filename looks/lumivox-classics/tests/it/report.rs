@@ -72,14 +72,14 @@ fn shown_share(taken: f32, transmittance: f32, level: u32, width: f32, values: v
 }
 
 #[test]
-fn neutral_values_change_nothing_to_the_bit() {
+fn neutral_report_cones_equal_plain_cones_bit_exactly() {
     assert!(ReportCones::default().model().is_none());
     let neutral: Arc<dyn ConeModel> = Arc::new(ReportCones::default());
     assert!(radiance(Some(neutral), None) == radiance(Some(Arc::new(Plain)), None));
 }
 
 #[test]
-fn values_may_change() {
+fn changed_report_values_match_a_fresh_model() {
     let report = radiance(ReportCones::REPORT.model(), None);
     let neutral: Arc<dyn ConeModel> = Arc::new(ReportCones::default());
     assert!(radiance(Some(neutral), Some(ReportCones::REPORT)) == report);
@@ -113,7 +113,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 /// Gained by the level, up to what is left, and dimmed by the width; a surplus is paid back without
 /// a gain.
 #[test]
-fn shares_are_gained_and_dimmed() {
+fn shares_are_amplified_by_level_and_dimmed_by_width() {
     let cones = ReportCones { width_attenuation: 0.5, level_gain: 4.0, ..ReportCones::default() };
     let [x, y, z, w] = cones.values();
     let mut shaders = lumivox::shaders::library_with_volume(

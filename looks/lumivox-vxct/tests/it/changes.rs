@@ -18,7 +18,7 @@ fn vxct(change: impl FnOnce(&mut VxctSettings)) -> Arc<dyn Look> {
 /// Whatever comes before, the picture is the one that a new renderer makes, and so is the memory.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn the_look_comes_and_goes() {
+fn switching_the_look_matches_a_fresh_renderer() {
     let gpu = gpu();
     let scene = builtin("cornell");
     let mut asked = RenderSettings {
@@ -74,7 +74,7 @@ fn the_look_comes_and_goes() {
 }
 
 #[test]
-fn what_was_asked_for_otherwise_stays() {
+fn explicit_exposure_survives_a_scene_change() {
     let [first, second] =
         ["spheres", "cornell"].map(|name| lumivox_scene::builtin::scene(name).unwrap());
     assert_ne!(vxct_display(&first), vxct_display(&second), "or else nothing is tested");

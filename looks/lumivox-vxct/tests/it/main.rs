@@ -142,7 +142,7 @@ fn middle(picture: &Picture) -> Vec3 {
 }
 
 #[test]
-fn a_surface_under_a_light_is_phongs() {
+fn a_lit_surface_follows_the_phong_formula() {
     let color = Vec3::new(0.5, 0.4, 0.3);
     let light_color = Vec3::new(0.9, 0.8, 0.7);
     let light = Vec3::new(0.3, 1.1, -0.9);
@@ -198,7 +198,7 @@ fn a_surface_under_a_light_is_phongs() {
 }
 
 #[test]
-fn lamps_of_other_scenes_fade_as_vxcts() {
+fn lamps_of_other_scenes_use_vxct_attenuation() {
     // 5 cd, 2 m above a white floor of 8 m: a unit is 4 m, and the lamp half of it away.
     let mut scene = Scene { name: "hall".to_owned(), ..Scene::default() };
     add_square(&mut scene, Vec3::ZERO, UP, 4.0, Material::diffuse("white", Vec3::ONE));
@@ -220,7 +220,7 @@ fn lamps_of_other_scenes_fade_as_vxcts() {
 }
 
 #[test]
-fn display_values_reach_the_screen_as_they_are() {
+fn display_values_are_not_tone_mapped() {
     let light = vxct_light(Vec3::Y, Vec3::ONE);
     let scene = floor(0.0, vxct_material(Vec3::new(0.5, 0.4, 0.3), 32.0, 0.5), light);
     let shown = render(&scene, look(phong_alone()));
@@ -237,7 +237,7 @@ fn display_values_reach_the_screen_as_they_are() {
 /// Only surfaces that turn their front to the camera are there, even if both sides are surfaces for
 /// the physical look; a mirroring matrix shows the inside.
 #[test]
-fn one_side_is_seen() {
+fn only_front_faces_are_drawn() {
     let mut scene = floor(0.0, matte(), vxct_light(Vec3::Y, Vec3::ONE));
     let seen = |scene: &Scene| {
         let shown = render(scene, look(phong_alone()));
@@ -263,7 +263,7 @@ fn one_side_is_seen() {
 }
 
 #[test]
-fn suns_shine_as_bright_as_they_are() {
+fn suns_light_with_their_own_irradiance() {
     let sun = Light {
         kind: LightKind::Directional,
         intensity: 3.0,
@@ -282,7 +282,7 @@ fn suns_shine_as_bright_as_they_are() {
 /// Emitters in a scene that was not made for VXCT are in its voxels; a scene lit only by its
 /// surroundings is not black.
 #[test]
-fn other_scenes_have_light() {
+fn scenes_not_made_for_vxct_are_lit() {
     let mut scene = floor(-1.0, Material::diffuse("white", Vec3::ONE), Light::default());
     scene.lights.clear();
     let panel = Material { emissive: Vec3::ONE, ..Material::diffuse("panel", Vec3::ZERO) };
@@ -303,7 +303,7 @@ fn other_scenes_have_light() {
 
 /// A picture of only shadows is grey: the sum over all lights of the share that is not blocked.
 #[test]
-fn shadows_alone_are_grey() {
+fn a_shadow_only_picture_is_grey() {
     let mut scene = room(&matte(), vxct_light(Vec3::new(0.0, 0.5, 0.0), Vec3::X));
     add_square(&mut scene, Vec3::ZERO, UP, 0.5, matte());
     scene.cameras = vec![Camera::look_at(Vec3::new(0.0, -0.3, 0.95), Vec3::NEG_Y, 0.4)];
@@ -319,7 +319,7 @@ fn shadows_alone_are_grey() {
 }
 
 #[test]
-fn every_view_has_a_meaning() {
+fn every_view_renders_a_finite_picture() {
     let settings = RenderSettings { grid_bounds: None, ..look(usual()) };
     let mut renderer = renderer(&gpu(), &builtin("spheres"), settings);
     let is_shown = |view: &View| !view.needs_octree() && !view.needs_past();

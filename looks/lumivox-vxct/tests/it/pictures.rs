@@ -109,14 +109,14 @@ fn stack(strips: &[RgbImage]) -> RgbImage {
 /// Every component, and three places.
 #[test]
 #[ignore = "slow: twelve pictures of 640x360 pixels"]
-fn pictures_of_the_box_are_those_of_the_program() {
+fn box_pictures_match_vxct() {
     compare("cornell");
 }
 
 /// Compares all components on the gallery's models.
 #[test]
 #[ignore = "release: ten pictures of 640x360 pixels"]
-fn pictures_of_the_gallery_are_those_of_the_program_at_release() {
+fn gallery_pictures_match_vxct_at_release() {
     compare("gallery");
 }
 
@@ -165,7 +165,7 @@ fn compare(name: &str) {
 
 /// A scene that was not made for VXCT looks as before.
 #[test]
-fn a_box_looks_as_before() {
+fn a_box_matches_its_snapshot() {
     let scene = builtin("cornell");
     let display = vxct_display(&scene);
     let settings = RenderSettings {

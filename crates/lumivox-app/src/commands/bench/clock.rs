@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn timestamps_are_true_if_long_passes_agree() {
+    fn timestamps_are_trusted_if_long_passes_match_the_clock() {
         assert!(
             is_true(&[(95.0, 100.0)]) && is_true(&[(110.0, 100.0)]) && is_true(&[(60.0, 100.0)])
         );

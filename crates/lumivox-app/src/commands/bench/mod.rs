@@ -166,7 +166,7 @@ mod tests {
     /// Every case that a software driver measures without options is in the published report, which
     /// names its build.
     #[test]
-    fn the_published_report_is_of_this_layout_and_of_these_cases() {
+    fn the_published_report_has_the_current_format_and_cases() {
         let published: Report = serde_json::from_str(PUBLISHED).unwrap();
         assert_eq!(published.format, FORMAT);
         assert!(["release", "debug"].contains(&published.build.as_str()));

@@ -311,7 +311,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn published_figures_stand_beside_those_of_the_same_name() {
+    fn published_figures_are_shown_beside_the_same_case() {
         let published = published().unwrap();
         let mut report = published.clone();
         "a faster machine".clone_into(&mut report.machine.name);

@@ -185,7 +185,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_command_line_overrules_the_standard() {
+    fn options_override_the_standard_plan() {
         let own =
             plan("--scene builtin:glow --resolutions 32,32 --sizes 64x36 --volumes octree", true);
         assert_eq!(own.words, "chosen on the command line");

@@ -156,7 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_spread_is_of_ranks() {
+    fn spread_takes_median_and_p95_by_nearest_rank() {
         assert_eq!(Spread::of(vec![3.0, 1.0, 2.0]), Spread { median: 2.0, p95: 3.0 });
         assert_eq!(Spread::of(vec![7.0]), Spread { median: 7.0, p95: 7.0 });
         let hundred = (1..=100).rev().map(f64::from).collect();

@@ -443,7 +443,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_that_cannot_be_read_are_named() {
+    fn errors_name_the_line_that_cannot_be_read() {
         for (text, is_of_rays, needle) in [
             ("x,y,z\n1,2,3\n1,two,3", false, "line 3, column y: \"two\""),
             ("1,2,inf", false, "line 1, column z: \"inf\""),

@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_that_of_the_mean() {
+    fn noise_meter_estimates_the_noise_of_the_mean() {
         let size = UVec2::new(67, 45);
         let counts = [2, 4, 8, 16];
         let mut meter = NoiseMeter::default();

@@ -161,7 +161,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_arrows_go_through_the_history_and_back() {
+    fn arrow_keys_step_through_the_history() {
         let mut state = State::default();
         for line in ["one", "two", "two", " three "] {
             state.text = line.to_owned();
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn tab_completes_what_is_clear() {
+    fn tab_completes_the_unambiguous_part() {
         let list = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
         let mut state = State { text: "bou".to_owned(), ..State::default() };
         state.complete(0, list(&["bounces"]));

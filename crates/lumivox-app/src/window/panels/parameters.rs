@@ -179,7 +179,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn titles_are_words() {
+    fn parameter_names_become_readable_titles() {
         assert_eq!(title("voxel_per_diameter"), "Voxel per diameter");
     }
 

@@ -136,7 +136,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn light_is_told_in_three_digits() {
+    fn light_is_shown_with_three_digits() {
         let words = |luminance_cd_m2, illuminance_lux| {
             light_words(Photometry { luminance_cd_m2, illuminance_lux })
         };
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn time_is_told_once_it_counts() {
+    fn activities_show_elapsed_time_after_some_seconds() {
         let ago = |seconds| Instant::now().checked_sub(Duration::from_secs(seconds));
         assert_eq!(with_time("lighting", ago(0)), "lighting");
         assert_eq!(with_time("lighting", ago(12)), "lighting, 12 s");

@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_value_of_a_parameter_counts() {
+    fn only_the_last_queued_value_of_a_parameter_runs() {
         let lines = ["bounces 1", "exposure 2", "bounces 2", "bounces 3"];
         assert_eq!(of_panels(&lines), ["exposure 2", "bounces 3"]);
         let lines = ["bounces 1", "preset high", "bounces 2"];
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn panels_go_on_while_others_wait() {
+    fn panel_lines_run_while_typed_lines_wait() {
         let written = [("echo a", Origin::Terminal), ("echo b", Origin::Pane)];
         let mut lines = lines(&[&written[..], &[("bounces 1", Origin::Panel)]].concat());
         lines.wait_for(2);
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_wait_for_the_screen() {
+    fn typed_lines_wait_until_the_screen_is_current() {
         let mut lines = lines(&[("echo a", Origin::Terminal), ("bounces 1", Origin::Panel)]);
         lines.wait_for_screen();
         lines.frames_are_over();
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_waits_for_its_frames_before_all_others() {
+    fn a_line_waiting_for_frames_blocks_later_lines() {
         let mut lines = lines(&[("screenshot a.png", Origin::Pane), ("echo b", Origin::Pane)]);
         let line = lines.next(false).unwrap();
         assert!(!lines.take_prepared());

@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drag_is_one_line() {
+    fn the_log_shows_a_drag_as_one_line() {
         let mut log = Log::default();
         for value in ["1", "2", "3"] {
             command(&mut log, &format!("bounces {value}"), Origin::Panel);
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn old_lines_go() {
+    fn the_log_drops_its_oldest_lines() {
         let mut log = Log::default();
         for number in 0..KEPT + 5 {
             log.push(LogKind::Note, &number.to_string());

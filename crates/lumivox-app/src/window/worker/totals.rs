@@ -98,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_frames_are_kept() {
+    fn the_frame_log_keeps_the_last_frames() {
         let mut log = FrameLog::default();
         for ms in 0..=KEPT_FRAMES as u64 + 1 {
             log.add(Duration::from_millis(ms), &[], ms == 0);
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn means_are_over_the_frames_that_had_a_pass() {
+    fn pass_means_ignore_frames_without_the_pass() {
         let time = |pass: &str, ms| StageTime {
             stage: "trace",
             pass: pass.to_owned(),

@@ -75,7 +75,7 @@ const WRONG: &[(&str, &[&str])] = &[
 ];
 
 #[test]
-fn mistakes_are_told_with_what_would_be_right() {
+fn console_errors_name_the_mistake_and_valid_input() {
     let folder = folder();
     let mut words = vec!["run"];
     for (line, _) in WRONG {
@@ -107,7 +107,7 @@ fn mistakes_are_told_with_what_would_be_right() {
 /// Settings that the GPU cannot satisfy fail at their own line, and do not revert other settings.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn what_is_refused_is_taken_back_alone() {
+fn a_refused_setting_does_not_revert_other_settings() {
     let folder = folder();
     let lines = [
         "frames 2; volume_memory 1",
@@ -136,7 +136,7 @@ fn what_is_refused_is_taken_back_alone() {
 
 /// Commands are refused if `matrix` would not accept their result.
 #[test]
-fn objects_stay_within_their_numbers() {
+fn transforms_beyond_the_matrix_range_are_refused() {
     let folder = folder();
     let script = "scale 'tall block' 1e6\nscale 'tall block' 1e6\nmatrix 'tall block'\n";
     let mut words = vec!["run", "-", "--keep-going"];
@@ -147,7 +147,7 @@ fn objects_stay_within_their_numbers() {
 }
 
 #[test]
-fn a_script_stops_at_its_line() {
+fn a_script_stops_at_its_first_error() {
     let folder = folder();
     let script = "# a comment\necho one\n\necho two; lodd 3; echo three\necho four\n";
     fs::write(folder.path().join("bad.txt"), script).unwrap();
@@ -164,7 +164,7 @@ fn a_script_stops_at_its_line() {
 }
 
 #[test]
-fn the_first_error_gives_the_code() {
+fn the_exit_code_is_that_of_the_first_error() {
     let folder = folder();
     let script = "load builtin:cornell; screenshot nowhere/a.png\nlodd\n";
     let mut words = vec!["run", "-", "--keep-going"];
@@ -180,7 +180,7 @@ fn the_first_error_gives_the_code() {
 }
 
 #[test]
-fn scripts_that_cannot_be_read_run_nothing() {
+fn unreadable_scripts_run_no_command() {
     let folder = folder();
     fs::write(folder.path().join("open.txt"), "echo one\necho \"two\n").unwrap();
     fs::write(folder.path().join("bytes.txt"), b"echo one\n\xff\xfe\n").unwrap();

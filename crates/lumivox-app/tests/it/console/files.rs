@@ -80,7 +80,7 @@ pub fn animations_play() {
 }
 
 #[test]
-pub fn names_are_looked_for_beside_the_open_scene() {
+pub fn load_finds_names_beside_the_open_scene() {
     let mut session = Session::new("");
     session.does(&format!("load '{}'", project("scenes/cornell.scene").display()));
     session.does("load emit");

@@ -4,7 +4,7 @@ use super::session::Session;
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn frames_come_on_demand_and_are_timed() {
+pub fn frame_commands_render_and_time_frames() {
     let mut session = Session::new("--scene builtin:cornell");
     session.does("frames 3");
     session.says("lastframes 1", &["no frame has been rendered yet"]);
@@ -40,7 +40,7 @@ pub fn frames_come_on_demand_and_are_timed() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn voxels_follow_or_wait() {
+pub fn revoxelize_modes_update_voxels_or_wait() {
     let mut session = Session::new("--scene builtin:cornell --view voxels");
     let start = session.picture();
     session.says("revoxelize", &["when_moved"]);

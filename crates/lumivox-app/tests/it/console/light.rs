@@ -4,7 +4,7 @@ use super::session::Session;
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn lights_come_change_and_go() {
+pub fn lights_can_be_added_changed_and_removed() {
     let mut session = Session::new("--scene builtin:cornell --exposure -4");
     let start = session.picture();
     session.says("add_light point bulb position 0 1 0 strength 40", &["added the light \"bulb\""]);
@@ -33,7 +33,7 @@ pub fn lights_come_change_and_go() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn surroundings_are_light_and_panoramas() {
+pub fn environment_and_sky_commands_change_the_light() {
     let mut session = Session::new("--scene builtin:atrium --exposure -12");
     session.picture();
     session.changes("environment 20000,10000,5000");
@@ -52,7 +52,7 @@ pub fn surroundings_are_light_and_panoramas() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn a_sky_takes_the_place_of_the_command_lines() {
+pub fn a_sky_command_replaces_the_command_line_sky() {
     let mut session = Session::new("--scene builtin:spheres --exposure -14 --sky 30,120");
     session.picture();
     let plain = session.changes("environment 5000,5000,5000; lights");

@@ -35,7 +35,7 @@ pub fn objects_move_and_hide() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn materials_change() {
+pub fn material_commands_change_the_picture() {
     let mut session = Session::new("--scene builtin:cornell --exposure -4");
     session.says("materials", &["white", "red", "metallic_roughness"]);
     let start = session.picture();
@@ -52,7 +52,7 @@ pub fn materials_change() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn materials_have_the_names_of_vxct() {
+pub fn setmat_accepts_vxct_property_names() {
     let mut session = Session::new("--preset vxct");
     session.does(&format!("load '{}'", project("scenes/cornell.scene").display()));
     session.picture();
@@ -72,7 +72,7 @@ pub fn materials_have_the_names_of_vxct() {
 }
 
 #[test]
-pub fn the_camera_goes_about() {
+pub fn camera_commands_move_store_and_restore_the_view() {
     let mut session = Session::new("--scene builtin:cornell");
     session.says("cameras", &["0 \"front\"", "\"framing\""]);
     let start = session.picture();
@@ -126,7 +126,7 @@ pub fn cameras_are_stored_under_names() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn changes_are_taken_back_and_done_again() {
+pub fn undo_and_redo_restore_pictures() {
     let mut session = Session::new("--scene builtin:cornell");
     let start = session.picture();
     let moved = session.changes("translate 'tall block' 0.3 0 0.1");

@@ -16,7 +16,7 @@ const VXCT: &str = "objs objsW sfMode sf overlayW pos1 pos2 exit quit q load set
 
 /// `LUMIVOX_BLESS=1` writes the page.
 #[test]
-fn the_page_is_what_the_program_prints() {
+fn console_md_matches_the_printed_commands() {
     let folder = folder();
     let printed = lumivox(folder.path(), "commands --markdown").expect_ok().stdout;
     let page = project("docs/generated").join("console.md");
@@ -31,7 +31,7 @@ fn the_page_is_what_the_program_prints() {
 }
 
 #[test]
-fn the_table_has_all_of_vxct() {
+fn console_md_lists_all_vxct_commands() {
     let page = lumivox(folder().path(), "commands --markdown").expect_ok().stdout;
     let (_, table) = page.split_once("## Commands of VXCT").unwrap();
     let first = |line: &str| line.split('|').nth(1).unwrap_or_default().to_owned();

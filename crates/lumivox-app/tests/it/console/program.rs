@@ -4,7 +4,7 @@ use super::session::{Session, run_script};
 use crate::common::{folder, lumivox_with};
 
 #[test]
-pub fn help_echo_and_lists() {
+pub fn help_echo_and_list_commands_print_text() {
     let mut session = Session::new("");
     session.says("help", &["Settings: cones", "translate", "`help NAME`"]);
     session.says("help translate", &["translate NAME X Y Z", "along its own axes", "In VXCT"]);
@@ -52,7 +52,7 @@ pub fn scripts_run_scripts() {
 }
 
 #[test]
-pub fn the_end_is_the_end() {
+pub fn quit_ends_the_script_at_once() {
     let folder = folder();
     let ends = [("quit", 0), ("exit", 0), ("q", 0)];
     for (name, code) in ends {

@@ -33,7 +33,7 @@ fn repeats(options: &str, lines: &[&str]) {
 }
 
 #[test]
-pub fn of_objects_materials_lights_and_camera() {
+pub fn script_restores_objects_materials_lights_and_camera() {
     repeats(
         "--scene builtin:cornell",
         &[
@@ -49,7 +49,7 @@ pub fn of_objects_materials_lights_and_camera() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn of_surroundings() {
+pub fn script_restores_surroundings() {
     repeats(
         "--scene builtin:spheres",
         &[
@@ -64,7 +64,7 @@ pub fn of_surroundings() {
 }
 
 #[test]
-pub fn of_animations_and_overlays() {
+pub fn script_restores_animations_and_overlays() {
     repeats(
         "--scene moving.glb",
         &[
@@ -76,7 +76,7 @@ pub fn of_animations_and_overlays() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn of_views_that_ask_for_a_volume() {
+pub fn script_restores_views_that_need_an_octree() {
     repeats(
         "--scene builtin:cornell",
         &[
@@ -88,7 +88,7 @@ pub fn of_views_that_ask_for_a_volume() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn of_skies_in_the_place_of_others() {
+pub fn script_restores_skies_that_replaced_others() {
     repeats(
         "--scene builtin:spheres --sky 30,120",
         &["sky 50,200", "light 'sun of the sky' color 1 0.9 0.7"],
@@ -98,7 +98,7 @@ pub fn of_skies_in_the_place_of_others() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn of_the_look_of_vxct() {
+pub fn script_restores_the_vxct_look() {
     let scene = format!("load '{}'", project("scenes/cornell.scene").display());
     repeats(
         "--scene builtin:cornell",

@@ -4,7 +4,7 @@ use super::session::Session;
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn surfaces_voxels_and_wires() {
+pub fn surface_voxel_and_wire_switches_change_the_picture() {
     let mut session = Session::new("--scene builtin:cornell");
     let start = session.picture();
     session.says("objs", &["objs off"]);
@@ -52,7 +52,7 @@ pub fn surfaces_voxels_and_wires() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn parts_of_light_in_the_physical_look() {
+pub fn light_component_switches_work_in_the_physical_look() {
     let mut session = Session::new("--scene builtin:spheres --exposure -2");
     let all = session.picture();
     session.changes("phong_only");

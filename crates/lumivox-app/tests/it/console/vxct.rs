@@ -9,7 +9,7 @@ fn session() -> Session {
 }
 
 #[test]
-pub fn switches() {
+pub fn vxct_switches_toggle_and_restore_the_picture() {
     let mut session = session();
     let start = session.picture();
     for (line, back) in [
@@ -47,7 +47,7 @@ pub fn switches() {
 /// A script of the commands in VXCT's documentation, in their order, each followed by its inverse.
 #[test]
 #[ignore = "slow: over three seconds"]
-pub fn a_script_of_its_own() {
+pub fn vxct_commands_and_their_inverses_restore_the_picture() {
     let mut session = session();
     session.picture();
     let there_and_back = [
@@ -124,7 +124,7 @@ pub fn a_script_of_its_own() {
 
 /// Commands about time: revoxelization, frames and their times, other scenes.
 #[test]
-pub fn a_script_that_goes_on() {
+pub fn vxct_time_and_frame_commands_work() {
     let mut session = session();
     session.does("pos2");
     session.picture();
@@ -151,7 +151,7 @@ pub fn a_script_that_goes_on() {
 }
 
 #[test]
-pub fn numbers() {
+pub fn vxct_number_settings_change_and_restore_the_picture() {
     let mut session = session();
     // Without specular reflection, shininess falloff and specular cones would have no effect.
     session.does("setmat TallBlock specular_str 1");

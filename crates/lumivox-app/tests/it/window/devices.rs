@@ -52,7 +52,7 @@ fn all_pictures(display: &Display, device: &str) -> Vec<Seen> {
 
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
-fn one_device_shows_what_two_show() {
+fn shared_and_separate_devices_show_the_same_pictures() {
     let display = Display::start();
     let [own, shared] = [OWN, SHARED].map(|device| all_pictures(&display, device));
     for (number, (own, shared)) in own.iter().zip(&shared).enumerate() {
@@ -80,7 +80,7 @@ fn try_both(window: &mut Window, before: &Seen) {
 
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
-fn two_devices_are_lost_one_at_a_time() {
+fn separate_devices_recover_from_loss_independently() {
     let (display, home) = (Display::start(), home());
     let (mut window, first) = open(&display, home.path(), OWN, "final");
     window.tell("lose_device");
@@ -99,7 +99,7 @@ fn two_devices_are_lost_one_at_a_time() {
 
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
-fn one_device_is_lost_for_both() {
+fn a_lost_shared_device_is_replaced_for_both() {
     let (display, home) = (Display::start(), home());
     let (mut window, first) = open(&display, home.path(), SHARED, "final");
     let mut lines = 0;

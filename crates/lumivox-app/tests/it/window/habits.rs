@@ -5,7 +5,7 @@ use super::{QUICK, home, is_cornell, open_cornell};
 
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
-fn the_light_under_the_pointer_is_told() {
+fn the_status_bar_shows_light_under_the_pointer() {
     let (display, home) = (Display::start(), home());
     let mut window = open_cornell(&display, home.path());
     window.wait_rest();
@@ -35,7 +35,7 @@ fn the_light_under_the_pointer_is_told() {
 /// A scene that only glows shows a note; another scene does not.
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
-fn a_scene_that_only_glows_says_so() {
+fn a_scene_lit_only_by_emission_shows_a_note() {
     let (display, home) = (Display::start(), home());
     let mut window = Window::open(&display, home.path(), &format!("builtin:furnace {QUICK}"));
     let note = |window: &Window| {

@@ -141,7 +141,7 @@ fn mouse_and_keys_do_what_they_say() {
 
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
-fn it_survives_what_happens_to_windows() {
+fn the_window_survives_resizing_and_minimizing() {
     let (display, home) = (Display::start(), home());
     let mut window = open_cornell(&display, home.path());
 
@@ -194,7 +194,7 @@ fn write_slow(folder: &Path) {
 
 #[test]
 #[ignore = "slow: a window under Xvfb, in real time"]
-fn what_takes_long_holds_nobody_up() {
+fn slow_loads_and_frames_do_not_block_input() {
     let (display, home) = (Display::start(), home());
     write_slow(home.path());
     let mut window = open_cornell(&display, home.path());

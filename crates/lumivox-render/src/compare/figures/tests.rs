@@ -24,7 +24,7 @@ fn assert_close(actual: f64, expected: f64) {
 }
 
 #[test]
-fn figures_are_those_of_pen_and_paper() {
+fn figures_match_a_hand_calculation() {
     // Means 2 and 2.5; squared differences 1, 0, 0, 1.
     let (reference, ours) = (grey([1.0, 2.0, 2.0, 3.0]), grey([2.0, 2.0, 2.0, 4.0]));
     let figures = ErrorFigures::new(&reference, None, &ours).expect("figures");
@@ -38,7 +38,7 @@ fn figures_are_those_of_pen_and_paper() {
 }
 
 #[test]
-fn every_channel_counts_in_bias_and_rmse_and_luminance_in_the_rest() {
+fn bias_and_rmse_use_channels_and_p95_luminance() {
     let reference = picture([[1.0, 1.0, 1.0], [1.0, 1.0, 1.0]]);
     let ours = picture([[1.0, 1.0, 1.6], [1.0, 1.0, 1.0]]);
     let figures = ErrorFigures::new(&reference, None, &ours).expect("figures");
@@ -48,7 +48,7 @@ fn every_channel_counts_in_bias_and_rmse_and_luminance_in_the_rest() {
 }
 
 #[test]
-fn dark_pixels_are_told_against_a_tenth_of_the_mean() {
+fn dark_pixel_errors_use_a_tenth_of_the_mean() {
     // The mean is 10; the first pixel counts as if it had 1, the second as itself, 2.
     let (reference, ours) = (grey([0.5, 2.0, 27.5]), grey([0.25, 3.0, 27.5]));
     let errors = relative_errors(&reference, &ours).expect("errors");
@@ -58,7 +58,7 @@ fn dark_pixels_are_told_against_a_tenth_of_the_mean() {
 }
 
 #[test]
-fn the_percentile_is_a_value_that_is_there() {
+fn the_percentile_is_one_of_the_values() {
     let percentile = |count: u32| percentile_95((1..=count).rev().map(f64::from).collect());
     for (count, expected) in [(1, 1.0), (19, 19.0), (20, 19.0), (21, 20.0), (100, 95.0)] {
         assert_eq!(percentile(count), expected, "of {count}");
@@ -67,7 +67,7 @@ fn the_percentile_is_a_value_that_is_there() {
 }
 
 #[test]
-fn noise_is_taken_out() {
+fn reference_noise_is_subtracted_from_the_rmse() {
     let (reference, ours) = (grey([4.0, 4.0]), grey([5.0, 3.0]));
     let with = |variance: [f32; 2]| {
         ErrorFigures::new(&reference, Some(&variance), &ours).expect("figures")
@@ -82,7 +82,7 @@ fn noise_is_taken_out() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_refused_by_name_and_place() {
+fn incomparable_pictures_are_refused_with_the_reason() {
     let good = grey([1.0, 2.0]);
     let message = |reference: &LinearPicture, variance: Option<&[f32]>, ours: &LinearPicture| {
         ErrorFigures::new(reference, variance, ours).expect_err("refused").to_string()
@@ -151,7 +151,7 @@ fn pictures() -> impl Strategy<Value = (LinearPicture, LinearPicture)> {
 
 proptest! {
     #[test]
-    fn a_picture_equals_itself((reference, _) in pictures()) {
+    fn a_picture_has_no_error_against_itself((reference, _) in pictures()) {
         let figures = ErrorFigures::new(&reference, None, &reference).expect("figures");
         prop_assert_eq!(figures.bias_percent, 0.0);
         prop_assert_eq!(figures.rmse_percent, 0.0);
@@ -161,7 +161,7 @@ proptest! {
 
     /// A power of two scales floats to the bit, and exposure takes it out again.
     #[test]
-    fn the_unit_does_not_matter((reference, ours) in pictures(), stops in -20_i32..20) {
+    fn scaling_both_pictures_does_not_change_errors((reference, ours) in pictures(), stops in -20_i32..20) {
         let factor = (stops as f32).exp2();
         let variance: Vec<f32> = reference.rgb.iter().map(|rgb| rgb[0]).collect();
         let scaled_variance: Vec<f32> = variance.iter().map(|v| v * factor * factor).collect();
@@ -179,7 +179,7 @@ proptest! {
     }
 
     #[test]
-    fn a_factor_is_that_bias((reference, _) in pictures(), factor in 0.1_f32..3.0) {
+    fn scaling_a_picture_gives_that_much_bias((reference, _) in pictures(), factor in 0.1_f32..3.0) {
         let figures = ErrorFigures::new(&reference, None, &scaled(&reference, factor));
         let figures = figures.expect("figures");
         let expected = 100.0 * (f64::from(factor) - 1.0);

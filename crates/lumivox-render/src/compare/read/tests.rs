@@ -80,7 +80,7 @@ fn layers_are_found_by_the_names_of_channels_and_parts() {
 }
 
 #[test]
-fn exr_units_and_windows_are_heeded() {
+fn exr_units_apply_and_cropped_windows_are_refused() {
     let mut bright = part(None, &[("", 1.0)]);
     bright.attributes.white_luminance = Some(100.0);
     let file = read(&exr(vec![bright], (0, 2)), None).expect("a picture");
@@ -123,7 +123,7 @@ fn radiance_pictures_lose_their_exposure() {
 }
 
 #[test]
-fn what_is_no_picture_is_refused_by_name() {
+fn files_that_are_not_pictures_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let missing = PictureFile::read(&folder.path().join("missing.exr"), None);
     let message = missing.expect_err("no file").to_string();

@@ -22,7 +22,7 @@ fn set(voxels: &[([u32; 3], Vec3, f32)]) -> VoxelSet {
 }
 
 #[test]
-fn morton_order_is_undone() {
+fn morton_codes_round_trip() {
     for cell in [[0, 0, 0], [1, 0, 0], [5, 9, 1023], [1023, 512, 7]].map(UVec3::from) {
         assert_eq!(morton_decode(morton_encode(cell)), cell);
     }
@@ -65,7 +65,7 @@ fn differences_are_counted() {
 
 /// Four voxels in a row, seen from the front: each pixel shows its own.
 #[test]
-fn pictures_tell_missing_and_extra_apart() {
+fn missing_and_extra_voxels_have_different_colors() {
     let exact = set(&[([6, 8, 4], RED, 1.0), ([7, 8, 4], RED, 1.0), ([8, 8, 4], RED, 0.0)]);
     let found = set(&[([6, 8, 4], RED, 1.0), ([8, 8, 4], RED, 0.0), ([9, 8, 4], RED, 1.0)]);
     let camera = Camera {

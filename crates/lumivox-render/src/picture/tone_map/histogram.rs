@@ -70,7 +70,7 @@ mod tests {
     use crate::Exposure;
 
     #[test]
-    fn pixels_are_counted_by_quarters_of_a_stop() {
+    fn histogram_bins_are_quarter_stops() {
         let histogram = Histogram::of([1.0, 1.18, 1.2, 2.0, 0.0, -1.0, f64::NAN, 1e30].into_iter());
         let at = |place: usize| histogram.bins[place];
         let one = 14 * Histogram::BINS_PER_STOP;
@@ -81,7 +81,7 @@ mod tests {
 
     /// Grey and white are at the positions that the exposure gives them.
     #[test]
-    fn marks_stand_where_the_exposure_says() {
+    fn white_and_grey_marks_follow_the_exposure() {
         let one = 14.0 * Histogram::BINS_PER_STOP as f32;
         assert!((Histogram::white(0.0) - one).abs() < 1e-4);
         assert!((Histogram::white(3.0) - (one - 12.0)).abs() < 1e-4);

@@ -361,7 +361,7 @@ mod tests {
     /// A white object before a grey ground is nearly white, a black one is black, and the ground
     /// stays grey.
     #[test]
-    fn white_is_nearly_white() {
+    fn auto_exposure_shows_a_white_object_nearly_white() {
         let shown = |thing: f32, covered: usize| {
             let picture: Vec<[f32; 4]> =
                 (0..100).map(|i| grey(if i < covered { thing } else { 0.5 } * 300.0)).collect();
@@ -384,7 +384,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_camera_would_do_is_told() {
+    fn extreme_exposures_give_a_warning() {
         let meter = |luminance: f32| Exposure::Auto.meter(&[grey(luminance); 50]);
         // Its brightest fifth equals its mean here: 1.5 stops above grey.
         let lit = meter(100.0);

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn the_first_gather_finds_one_bounce() {
+fn the_first_gather_equals_a_one_bounce_render() {
     let scene = builtin("cornell");
     let by =
         |bounces, samples| traced(&scene, &ReferenceSettings { bounces, ..settings(16, samples) });

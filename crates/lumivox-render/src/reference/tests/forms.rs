@@ -125,7 +125,7 @@ fn lamps_light_a_floor_by_their_distance_and_cosine() {
 /// Where a plane through the edge of a wall and the middle of a round lamp meets the floor, half of
 /// the lamp is seen.
 #[test]
-fn half_of_a_lamp_lights_the_middle_of_its_penumbra() {
+fn the_penumbra_middle_gets_half_the_lamps_light() {
     let mut scene = stage();
     let white = Material::diffuse("floor", Vec3::ONE);
     add(&mut scene, quad(Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0), white.clone());

@@ -61,7 +61,7 @@ fn assert_alike(what: &str, actual: &[[f32; 3]], expected: &[[f32; 4]], median: 
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn guides_are_those_of_the_rasterizer() {
+fn guide_layers_match_the_rasterizer() {
     let scene = zoo::scene();
     let size = UVec2::new(48, 27);
     let layers = traced(&scene, &ReferenceSettings { size, ..settings(1, 128) });

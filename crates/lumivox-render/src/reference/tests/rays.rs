@@ -144,7 +144,7 @@ fn assert_twin(what: &str, scene: &Scene, corners: &[Vec3], half: usize, queries
 }
 
 #[test]
-fn rays_meet_what_a_plain_loop_meets() {
+fn ray_hits_match_a_brute_force_loop() {
     let mut random = Random(1);
     let mut corners = Vec::new();
     for index in 0..600 {
@@ -191,7 +191,7 @@ fn rays_meet_what_a_plain_loop_meets() {
 /// Triangles that double in size, each within the next: a hierarchy of boxes is as deep as there
 /// are.
 #[test]
-fn hierarchies_may_be_deep() {
+fn rays_traverse_very_deep_hierarchies() {
     let mut corners = Vec::new();
     for index in 0..100 {
         let size = f64::from(index - 60).exp2();

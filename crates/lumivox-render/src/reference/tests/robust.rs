@@ -6,7 +6,7 @@ use super::*;
 use crate::RenderError;
 
 #[test]
-fn a_scene_of_which_nothing_is_there_shows_its_surroundings() {
+fn a_fully_transparent_scene_shows_its_surroundings() {
     let mut scene = stage();
     scene.environment.radiance = Vec3::new(0.25, 0.5, 2.0);
     let mut gone = Material::diffuse("gone", Vec3::ONE);
@@ -23,7 +23,7 @@ fn a_scene_of_which_nothing_is_there_shows_its_surroundings() {
 /// Beside the cone of a round spot light and beyond the range of a lamp, directions meet discs that
 /// send nothing.
 #[test]
-fn round_lamps_that_send_nothing_here_are_dark() {
+fn round_lamps_out_of_reach_add_no_light() {
     let mut scene = stage();
     scene.environment.radiance = Vec3::splat(0.5);
     add(&mut scene, pane(0.0), Material::diffuse("wall", Vec3::ONE));
@@ -45,7 +45,7 @@ fn round_lamps_that_send_nothing_here_are_dark() {
 
 /// Within a lamp, in its middle, and where normals and tangents are undefined.
 #[test]
-fn what_is_undefined_stays_finite() {
+fn degenerate_normals_and_lamp_centres_stay_finite() {
     let mut scene = stage();
     scene.environment.radiance = Vec3::ONE;
     let mut opposed = pane(0.0);
@@ -80,7 +80,7 @@ fn what_is_undefined_stays_finite() {
 }
 
 #[test]
-fn scenes_beyond_the_device_are_refused_before_work_is_done() {
+fn scenes_beyond_device_limits_are_refused_before_tracing() {
     let mut scene = stage();
     let mut mesh = pane(0.0);
     mesh.indices = [0, 1, 2].repeat(2000);

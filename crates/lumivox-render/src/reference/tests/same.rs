@@ -14,7 +14,7 @@ fn small() -> ReferenceSettings {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn runs_bands_and_interruptions_give_the_same_bits() {
+fn bands_and_interruptions_do_not_change_the_bits() {
     let scene = zoo();
     let whole = traced(&scene, &small());
     assert!(whole == traced(&scene, &small()), "two runs differ");
@@ -43,7 +43,7 @@ fn runs_bands_and_interruptions_give_the_same_bits() {
 }
 
 #[test]
-fn what_is_broken_off_keeps_what_all_pixels_have() {
+fn a_stopped_render_drops_incomplete_samples() {
     let scene = zoo();
     let after_20 = |progress: super::super::ReferenceProgress| {
         if progress.samples >= 20.0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -68,7 +68,7 @@ fn what_is_broken_off_keeps_what_all_pixels_have() {
 }
 
 #[test]
-fn another_seed_is_other_noise() {
+fn another_seed_changes_only_the_noise() {
     let scene = builtin("cornell");
     let [a, b] = [0, 1].map(|seed| traced(&scene, &ReferenceSettings { seed, ..settings(16, 32) }));
     assert!(a != b, "seeds do nothing");
@@ -77,7 +77,7 @@ fn another_seed_is_other_noise() {
 }
 
 #[test]
-fn a_checkpoint_of_anything_else_is_refused() {
+fn checkpoints_of_other_scenes_or_settings_are_refused() {
     let scene = builtin("cornell");
     let made = |scene: &Scene, settings: &ReferenceSettings| tracer(scene, settings);
     let checkpoint = made(&scene, &small()).checkpoint();
@@ -105,7 +105,7 @@ fn a_checkpoint_of_anything_else_is_refused() {
 /// unchanged.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn millimetres_and_kilometres_are_the_same() {
+fn scaling_the_scene_does_not_change_the_result() {
     let scene = zoo();
     let whole = traced(&scene, &small());
     for factor in [1.0 / 1024.0, 1024.0] {
@@ -132,7 +132,7 @@ fn millimetres_and_kilometres_are_the_same() {
 /// Parts of several tracers add up to the bits of one, whatever their order.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn parts_have_the_bits_of_the_whole() {
+fn merged_parts_equal_one_whole_run() {
     let scene = zoo();
     let whole = ReferenceSettings { samples: 48, ..small() };
     let part = |first_batch, samples| {

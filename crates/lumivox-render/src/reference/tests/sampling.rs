@@ -180,7 +180,7 @@ fn chi_squared_sigmas(counts: &[f64], expected: &[f64]) -> f64 {
 }
 
 #[test]
-fn directions_are_drawn_with_the_density_that_is_told() {
+fn sampled_directions_match_their_reported_density() {
     let surfaces = surfaces();
     let all = draw(&surfaces);
     for (seen, drawn) in surfaces.iter().zip(all.chunks_exact(DRAWS as usize)) {

@@ -29,7 +29,7 @@ fn assert_reads(reading: &Reading, expected: f64) {
 /// A black floor below a lamp: the inverse square times the cosine, without noise; nothing from
 /// below.
 #[test]
-fn a_lamp_reads_as_its_distance_and_cosine_say() {
+fn lamp_readings_follow_distance_and_cosine() {
     let mut scene = stage();
     let black = Material::diffuse("floor", Vec3::ZERO);
     add(&mut scene, quad(Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0), black);
@@ -47,7 +47,7 @@ fn a_lamp_reads_as_its_distance_and_cosine_say() {
 
 /// Half of a sky above a black floor lights a wall's side; colours weigh as luminance does.
 #[test]
-fn a_sky_reads_as_its_share_of_the_hemisphere() {
+fn sky_readings_follow_the_visible_hemisphere_share() {
     let mut scene = stage();
     let black = Material::diffuse("floor", Vec3::ZERO);
     add(&mut scene, quad(Vec3::ZERO, Vec3::X * 500.0, Vec3::NEG_Z * 500.0), black);
@@ -121,7 +121,7 @@ fn sensors_agree_with_pictures() {
 /// Other seeds differ by the reported standard error.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn the_standard_error_is_that_of_repetitions() {
+fn the_standard_error_matches_repeated_runs() {
     let scene = builtin("cornell");
     let sensor = [up(Vec3::new(0.1, 0.2, 0.1)), up(Vec3::new(-0.2, 0.3, 0.3))];
     let each: Vec<Vec<Reading>> = (0..12)

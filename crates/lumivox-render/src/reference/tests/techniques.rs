@@ -43,7 +43,7 @@ fn assert_better(what: &str, by_chance: &ReferenceLayers, asked: &ReferenceLayer
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn emitters_are_found_by_chance_and_by_asking() {
+fn hit_and_sampled_emitters_give_equal_light() {
     let mut scene = corner();
     let texels = [255, 255, 255, 255, 90, 20, 200, 255];
     let halves = texture(&mut scene, UVec2::new(2, 1), Filter::Nearest, texels.to_vec());
@@ -69,7 +69,7 @@ fn emitters_are_found_by_chance_and_by_asking() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn the_panorama_is_found_by_chance_and_by_asking() {
+fn hit_and_sampled_panoramas_give_equal_light() {
     let mut scene = corner();
     let (width, height) = (32, 16);
     let mut map = EnvironmentMap { width, height, ..EnvironmentMap::default() };
@@ -92,7 +92,7 @@ fn the_panorama_is_found_by_chance_and_by_asking() {
 /// A lamp with a radius sends the light of a glowing sphere of its size and power: to paint and in
 /// reflections.
 #[test]
-fn a_round_lamp_is_a_glowing_sphere() {
+fn a_round_lamp_equals_a_glowing_sphere() {
     let mut scene = corner();
     let (center, radiance) = (Vec3::new(0.2, 0.8, -0.2), 10.0_f32);
     let world_from_local = Mat4::from_translation(center) * Mat4::from_scale(Vec3::splat(0.5));
@@ -123,7 +123,7 @@ fn a_round_lamp_is_a_glowing_sphere() {
 /// One bright texel lights a floor as a sun in its middle, of its irradiance.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_bright_texel_is_a_sun() {
+fn a_bright_texel_lights_like_a_sun() {
     let mut scene = stage();
     add(&mut scene, quad(Vec3::ZERO, Vec3::X, Vec3::NEG_Z), Material::diffuse("floor", Vec3::ONE));
     add(

@@ -73,7 +73,7 @@ fn assert_cell(what: &str, layers: &[[f32; 3]], variances: &[f32], cell: u32, ex
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn panes_show_what_is_behind_them_in_proportion() {
+fn panes_show_the_background_in_proportion_to_transparency() {
     let behind = Vec3::new(1.0, 0.5, 0.25);
     let before = Vec3::new(0.2, 0.9, 0.4);
     let mut scene = stage();
@@ -133,7 +133,7 @@ fn panes_show_what_is_behind_them_in_proportion() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn shadows_are_as_deep_as_what_casts_them_is_solid() {
+fn shadow_depth_follows_the_casters_opacity() {
     let mut scene = stage();
     let leaf = leaf(&mut scene);
     let white = Material::diffuse("wall", Vec3::ONE);

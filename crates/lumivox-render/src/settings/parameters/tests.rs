@@ -40,7 +40,7 @@ fn is_valid(settings: &RenderSettings) -> bool {
 }
 
 #[test]
-fn names_are_unique_and_groups_stand_together() {
+fn parameter_names_are_unique_and_groups_contiguous() {
     let names: Vec<_> = PARAMETERS.iter().flat_map(Parameter::names).collect();
     let mut sorted = names.clone();
     sorted.sort_unstable();
@@ -52,7 +52,7 @@ fn names_are_unique_and_groups_stand_together() {
 }
 
 #[test]
-fn what_is_set_is_what_is_got_and_written_as_it_is_read() {
+fn parameters_round_trip_through_set_get_and_text() {
     for parameter in PARAMETERS.iter() {
         for value in ends(parameter.kind).0 {
             let mut settings = defaults();
@@ -85,7 +85,7 @@ fn a_parameter_changes_nothing_but_itself() {
 }
 
 #[test]
-fn ranges_are_those_that_renderers_check() {
+fn parameter_ranges_match_the_renderers_checks() {
     for parameter in PARAMETERS.iter() {
         let (within, beyond) = ends(parameter.kind);
         for value in within {
@@ -109,7 +109,7 @@ fn ranges_are_those_that_renderers_check() {
 }
 
 #[test]
-fn what_is_no_value_says_what_would_be() {
+fn errors_of_bad_values_list_valid_ones() {
     let error = |name, text| {
         Parameter::find(name).expect("a parameter").parse(text).expect_err("no value").to_string()
     };
@@ -134,7 +134,7 @@ fn fields(settings: &RenderSettings) -> Vec<String> {
 
 /// A field that no row writes could not be set, and a change of it would redo nothing.
 #[test]
-fn every_field_has_a_row() {
+fn every_settings_field_has_a_parameter_row() {
     let defaults = RenderSettings { volume: VolumeKind::Octree, ..defaults() };
     let shown = fields(&defaults);
     let mut is_written = vec![false; shown.len()];
@@ -177,7 +177,7 @@ fn every_field_has_a_row() {
 }
 
 #[test]
-fn presets_give_their_values() {
+fn presets_provide_parameter_defaults() {
     let high = PresetChoice::Cones(lumivox::Preset::High);
     let value = |name| Parameter::find(name).expect("a parameter").default(high);
     assert_eq!(value("cones"), Value::Choice("12"));

@@ -46,7 +46,7 @@ fn assert_quarters(what: &str, actual: [Vec3; 4], expected: [Vec3; 4]) {
 }
 
 #[test]
-fn textures_are_read_through_their_transform_and_set() {
+fn textures_use_their_transform_and_uv_set() {
     let plain = textured(TextureRef::new(0));
     assert_quarters("plain", quarters(&plain, View::Albedo), [RED, GREEN, BLUE, WHITE]);
     // A quarter turn: (u, v) becomes (v, 1 - u); then half the picture along u.
@@ -91,7 +91,7 @@ fn vertex_colours_multiply_the_base_colour_and_nothing_else() {
 
 /// A wall of 45 degrees that becomes three times as high leans less, and so does its normal.
 #[test]
-fn normals_follow_uneven_scale() {
+fn normals_are_correct_under_nonuniform_scale() {
     let mut scene = scene();
     let wall = quad(Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, -1.0));
     add(&mut scene, wall, Material::diffuse("wall", Vec3::ONE));
@@ -126,7 +126,7 @@ fn normal_textures_bend_along_tangent_and_bitangent() {
 /// A masked texture is cut where its own coordinates say, in the picture and in the shadow.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn masks_are_cut_at_their_own_coordinates() {
+fn masks_use_their_own_texture_coordinates() {
     let mut scene = scene();
     scene.textures.push(texture(2, 1, |x, _| [255, 255, 255, if x == 0 { 255 } else { 0 }]));
     let reference = TextureRef { uv_set: 1, ..TextureRef::new(0) };

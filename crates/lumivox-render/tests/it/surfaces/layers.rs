@@ -61,7 +61,7 @@ fn dielectric_in_even_light(roughness: f32, angle: f32) -> f32 {
 /// From the front to grazing angles, a floor in an even sky has the light that its BRDF gives it.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_dielectric_in_even_light_is_right_at_every_angle() {
+fn a_dielectric_in_uniform_light_matches_its_brdf() {
     for roughness in [0.3, 1.0] {
         let paint = MetallicRoughness {
             base_color: Vec4::new(0.5, 0.5, 0.5, 1.0),
@@ -81,7 +81,7 @@ fn a_dielectric_in_even_light_is_right_at_every_angle() {
 /// draws of a pixel, also for those whose own direction lies below the surface.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn glowing_walls_light_a_metal_as_a_sky_does() {
+fn glowing_walls_light_metal_like_a_uniform_sky() {
     for roughness in [0.6, 1.0] {
         let metal = metallic_roughness(MetallicRoughness {
             base_color: Vec4::new(0.9, 0.9, 0.9, 1.0),
@@ -174,7 +174,7 @@ fn bent_normals_leave_no_dark_rim() {
 /// paint. On black paint only the coat is seen; on a mirror both lobes are drawn in turns.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn varnish_adds_what_it_takes() {
+fn clearcoat_conserves_energy() {
     for angle in ANGLES {
         let reflected = fresnel(0.04, angle);
         let varnished = |albedo: f32, strength: f32| {
@@ -201,7 +201,7 @@ fn varnish_adds_what_it_takes() {
 
 /// Under a lamp the coat is a second lobe: the formulas once more, on the CPU.
 #[test]
-fn varnish_has_a_highlight_of_its_own() {
+fn clearcoat_has_its_own_highlight() {
     let roughness = 0.5_f32;
     let paint = Material::diffuse("paint", Vec3::splat(0.6));
     for (angle, to_light) in [(0.0, 0.3_f32), (0.8, 0.8)] {
@@ -237,7 +237,7 @@ fn varnish_has_a_highlight_of_its_own() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn velvet_is_brightest_at_grazing_angles_and_takes_what_it_adds() {
+fn sheen_is_brightest_at_grazing_angles_and_conserves_energy() {
     let velvet = |albedo: f32, color: Vec3| {
         let sheen = Sheen { color, roughness: 0.4, texture: None };
         Material { sheen, ..Material::diffuse("velvet", Vec3::splat(albedo)) }
@@ -254,7 +254,7 @@ fn velvet_is_brightest_at_grazing_angles_and_takes_what_it_adds() {
 }
 
 #[test]
-fn gloss_takes_the_colour_of_its_texture() {
+fn specular_reflection_uses_the_specular_texture() {
     let mut scene = seen_under(0.0, Material::default());
     scene.environment.radiance = Vec3::ONE;
     // sRGB codes of 1, 0.2140 and 0; a factor of 0.8.
@@ -274,7 +274,7 @@ fn gloss_takes_the_colour_of_its_texture() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn what_takes_no_light_shows_its_colour_beside_a_white_wall() {
+fn unlit_surfaces_are_scaled_by_reference_white() {
     let color = Vec3::new(0.5, 0.25, 1.0);
     let unlit = Shading::Unlit(Unlit { color: color.extend(1.0), color_texture: None });
     let mut scene = seen_under(0.0, Material { shading: unlit, ..Material::default() });

@@ -32,7 +32,7 @@ fn black_box() -> Scene {
 /// A pane under an open sky before the bottom of a deep black box, both facing the camera: over the
 /// edge between them neighbours have the same normal, but lie in another plane, and lend nothing.
 #[test]
-fn half_resolution_keeps_to_the_surface_of_a_pixel() {
+fn half_resolution_does_not_blend_across_surfaces() {
     let mut scene = black_box();
     let (x, y) = (Vec3::X * HALF, Vec3::Y * HALF);
     let white = Material::diffuse("white", Vec3::ONE);
@@ -61,7 +61,7 @@ fn half_resolution_keeps_to_the_surface_of_a_pixel() {
 /// the dark, and lend it nothing. So it is traced itself, in a single frame too.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn half_resolution_traces_what_no_neighbour_fits() {
+fn half_resolution_traces_pixels_without_matching_neighbours() {
     let mut scene = black_box();
     let pixel = 8.0 * 0.15_f32.tan() / 32.0;
     let middle = Vec3::new(-0.5 * pixel, 0.0, 0.0);

@@ -116,7 +116,7 @@ fn a_room_of_two_sided_walls_has_no_dark_edges() {
 }
 
 #[test]
-fn both_sides_are_seen_in_the_light_that_falls_on_them() {
+fn each_side_shows_the_light_on_that_side() {
     let seen = |double_sided, lamp_x, from_x: f32| {
         let mut scene = wall(double_sided, lamp_x, 1.0);
         scene.meshes.remove(0);

@@ -26,7 +26,7 @@ fn glass(color: Vec3, factor: f32) -> Material {
 }
 
 #[test]
-fn panes_blend_whatever_their_order() {
+fn panes_blend_correctly_in_any_order() {
     // Red before green before blue, added from front to back and from back to front.
     for order in [[2.0, 1.0, 0.0], [0.0, 1.0, 2.0]] {
         let mut scene = scene();
@@ -53,7 +53,7 @@ fn panes_blend_whatever_their_order() {
 
 /// A pane that is seen obliquely is as even in 16 frames as one that is seen straight.
 #[test]
-fn oblique_panes_are_as_even_as_straight_ones() {
+fn oblique_panes_are_no_noisier_than_straight_ones() {
     let noise = |along: Vec3| {
         let mut scene = scene();
         add(&mut scene, quad(Vec3::Z, along * 1.5, Vec3::Y), blended(Vec3::X, 0.5));
@@ -107,7 +107,7 @@ fn a_faint_pane_has_indirect_light_in_every_pixel() {
 }
 
 #[test]
-fn textures_and_vertices_say_how_much_is_there() {
+fn opacity_multiplies_texture_and_vertex_alpha() {
     let mut scene = scene();
     scene.textures.push(texture(2, 1, |x, _| [255, 255, 255, if x == 0 { 51 } else { 204 }]));
     let material = with(blended(Vec3::X, 1.0), |shading| {
@@ -125,7 +125,7 @@ fn textures_and_vertices_say_how_much_is_there() {
 }
 
 #[test]
-fn glass_shows_what_is_behind_in_its_own_colour() {
+fn glass_tints_what_is_behind_it() {
     let color = Vec3::new(0.9, 0.3, 0.0);
     let mut scene = scene();
     add(&mut scene, pane(1.0), glass(color, 0.8));
@@ -147,7 +147,7 @@ fn glass_shows_what_is_behind_in_its_own_colour() {
 /// light that it lets through add up to one. In front of a black wall it shows only the reflection.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn glass_reflects_what_does_not_pass() {
+fn reflected_and_transmitted_light_of_glass_add_up() {
     for angle in [0.0_f32, 1.1] {
         let mut scene = scene();
         scene.environment.radiance = Vec3::ONE;
@@ -204,7 +204,7 @@ fn under_a_roof(roof: Material) -> Scene {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn shadows_are_as_deep_as_what_casts_them_is_solid() {
+fn shadow_depth_follows_the_casters_opacity() {
     let black = Vec3::ZERO;
     let mut leaf = Material { alpha: AlphaMode::Mask { cutoff: 0.5 }, ..glowing(black) };
     leaf = with(leaf, |shading| shading.base_color_texture = Some(TextureRef::new(0)));
@@ -305,7 +305,7 @@ fn leaves_let_the_skys_light_through_in_proportion() {
 }
 
 #[test]
-fn the_same_frames_make_the_same_picture() {
+fn transparent_scenes_render_the_same_bits_twice() {
     let mut scene = scene();
     add(&mut scene, pane(1.0), blended(Vec3::X, 0.4));
     add(&mut scene, pane(0.5), glass(Vec3::new(0.2, 0.9, 0.5), 0.7));

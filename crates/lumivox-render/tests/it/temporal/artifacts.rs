@@ -47,7 +47,7 @@ fn direct_light_does_not_lag() {
 /// A still picture settles: from frame to frame it changes by little, and by less and less.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn still_pictures_do_not_boil() {
+fn still_pictures_settle_from_frame_to_frame() {
     let scene = builtin("cornell");
     let mut renderer = renderer(&gpu(), &scene, settings(Preset::Realtime));
     let mut before = frame(&mut renderer);
@@ -66,7 +66,7 @@ fn still_pictures_do_not_boil() {
 /// pixels do not alternate.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn light_that_moves_makes_no_rings() {
+fn moving_light_leaves_no_rings_around_edges() {
     let scene = builtin("cornell");
     let own = |preset| RenderSettings { view: View::Final, ..settings(preset) };
     let at = |step: u32| lamp_at(&scene, 0.03 * step as f32);
@@ -119,7 +119,7 @@ fn rmse_where_smooth(picture: &Picture, truth: &Picture) -> f64 {
 /// In smooth parts of a picture, the first frame is already near the result of many frames.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn first_frames_are_worth_keeping() {
+fn the_first_realtime_frame_has_a_small_error() {
     let scene = builtin("glow");
     let camera = orbit(&scene, 0);
     let truth = still(Preset::Balanced, &scene, &camera, 32);
@@ -131,7 +131,7 @@ fn first_frames_are_worth_keeping() {
 /// The light of a pixel does not depend on its place in its block of 4x4.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn blocks_of_traced_pixels_are_not_seen() {
+fn traced_pixel_blocks_are_not_visible() {
     let scene = builtin("cornell");
     let camera = orbit(&scene, 0);
     let truth = many_frames(Preset::Balanced, 48);

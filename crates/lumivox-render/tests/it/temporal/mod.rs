@@ -108,7 +108,7 @@ fn mean(picture: &Picture) -> f64 {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_moving_camera_keeps_what_was_gathered() {
+fn a_moving_camera_keeps_its_light_history() {
     let scene = builtin("cornell");
     let truth = many_frames(Preset::Balanced, 48);
     let mut moving = renderer(&gpu(), &scene, settings(Preset::Realtime));
@@ -137,7 +137,7 @@ fn a_moving_camera_keeps_what_was_gathered() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_switched_lamp_is_seen_at_once() {
+fn a_switched_lamp_changes_the_picture_at_once() {
     let lit = builtin("cornell");
     let mut dark = lit.clone();
     // A hundredth, since nothing is measured where nothing is.
@@ -165,7 +165,7 @@ fn a_switched_lamp_is_seen_at_once() {
 /// picture is nearer to the new light than the first frame of a new renderer.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_dimmed_lamp_is_followed() {
+fn a_slightly_dimmed_lamp_updates_within_six_frames() {
     let lit = builtin("cornell");
     let mut dimmed = lit.clone();
     for light in &mut dimmed.lights {
@@ -186,7 +186,7 @@ fn a_dimmed_lamp_is_followed() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_still_picture_comes_to_that_without_earlier_frames() {
+fn still_pictures_converge_to_those_without_history() {
     let scene = builtin("cornell");
     let camera = orbit(&scene, 0);
     let expected = many_frames(Preset::Fast, 96);
@@ -199,7 +199,7 @@ fn a_still_picture_comes_to_that_without_earlier_frames() {
 /// go with the samples within the pixels, have new light.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn what_moves_takes_its_light_along() {
+fn moving_objects_keep_their_light_history() {
     let mut scene = builtin("cornell");
     let block = scene.instances.len() - 1;
     scene.instances[block].is_static = false;
@@ -270,7 +270,7 @@ fn edges_are_smooth_in_motion() {
 /// view of each says which.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn the_history_grows_until_something_is_uncovered() {
+fn history_grows_until_a_pixel_is_disoccluded() {
     let scene = builtin("cornell");
     let beside = vec![View::History, View::Disocclusion];
     let settings = RenderSettings { view: View::Final, beside, ..settings(Preset::Realtime) };
@@ -310,7 +310,7 @@ fn the_history_grows_until_something_is_uncovered() {
 /// A picture of another size continues the history of the last one, in both directions.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn what_is_known_stays_known_in_another_size() {
+fn history_survives_a_resize() {
     let scene = builtin("cornell");
     let camera = orbit(&scene, 0);
     let [small, large] = [UVec2::new(84, 48), settings(Preset::Fast).size];
@@ -357,7 +357,7 @@ fn what_is_known_stays_known_in_another_size() {
 /// The figures are those of the views, at one pixel of each 8x8.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn figures_are_sums_of_the_views() {
+fn trace_figures_match_the_history_and_cost_views() {
     let scene = builtin("cornell");
     let beside = vec![View::History, View::Cost];
     let settings = RenderSettings { view: View::Final, beside, ..settings(Preset::Realtime) };
@@ -404,7 +404,7 @@ fn figures_are_sums_of_the_views() {
 /// than in a frame of one sample a pixel without a past, which leaves 0.34, and no darker.
 #[test]
 #[ignore = "slow: 81 frames of 240x136 pixels"]
-fn reflections_are_kept_in_motion() {
+fn reflections_keep_their_history_in_motion() {
     let scene = builtin("lacquer");
     let size = UVec2::new(240, 136);
     let own = |preset| RenderSettings { view: View::Specular, size, ..settings(preset) };
@@ -433,7 +433,7 @@ fn reflections_are_kept_in_motion() {
 /// other surfaces, other lamps, another camera, many frames; without a cut they are not.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn after_a_cut_nothing_is_left() {
+fn a_cut_discards_all_history() {
     let gpu = gpu();
     let mut rest = builtin("cornell");
     let is_block = |instance: &Instance| instance.name == "short block";
@@ -488,7 +488,7 @@ fn after_a_cut_nothing_is_left() {
 /// Frames that go on from each other make edges smooth, each a picture of its own.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn frames_of_a_film_make_edges_smooth() {
+fn film_frames_have_antialiased_edges() {
     let scene = builtin("cornell");
     let settings = RenderSettings { frames: 2, view: View::Albedo, ..settings(Preset::Realtime) };
     let mut film = renderer(&gpu(), &scene, settings);

@@ -17,7 +17,7 @@ fn the_city_is_large_and_its_meshes_are_shared() {
 }
 
 #[test]
-fn day_and_night_differ_in_light_alone() {
+fn day_and_night_differ_only_in_light() {
     let [day, night] = [false, true].map(|is_night| scene(is_night, false).unwrap());
     assert!(day.meshes == night.meshes && day.instances == night.instances);
     assert_eq!(day.cameras, night.cameras);
@@ -30,7 +30,7 @@ fn day_and_night_differ_in_light_alone() {
 }
 
 #[test]
-fn the_same_city_is_made_again() {
+fn the_city_is_generated_deterministically() {
     assert!(scene(true, false).unwrap() == scene(true, false).unwrap());
 }
 
@@ -54,7 +54,7 @@ fn the_room_is_in_the_city() {
 }
 
 #[test]
-fn cameras_stand_free() {
+fn cameras_are_clear_of_obstacles() {
     let scene = scene(false, false).unwrap();
     let picker = Picker::new(&scene);
     for camera in &scene.cameras {
@@ -70,7 +70,7 @@ fn cameras_stand_free() {
 
 /// The flight meets no obstacle, and it begins and ends where it says.
 #[test]
-fn the_flight_meets_nothing() {
+fn the_flight_path_hits_no_obstacle() {
     let mut scene = scene(false, false).unwrap();
     let picker = Picker::new(&scene);
     let info = &scene.animations()[0];

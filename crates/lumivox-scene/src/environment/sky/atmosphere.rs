@@ -369,7 +369,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn phases_scatter_all_that_they_get() {
+    fn phase_functions_integrate_to_one() {
         let steps = 20_000;
         let integral = |phase: fn(f64) -> f64| -> f64 {
             (0..steps)
@@ -386,7 +386,7 @@ mod tests {
     /// Straight up, columns are the scale heights; along the horizon, Chapman's function gives the
     /// square root of pi/2 r H for an exponential (Chapman 1931).
     #[test]
-    fn columns_have_their_closed_forms() {
+    fn optical_depths_match_closed_forms() {
         let air = Atmosphere::new(1.0, 0.0);
         let up = air.column(Ray { r: GROUND_KM, mu: 1.0 });
         assert!((up[0] / MOLECULES_KM - 1.0).abs() < 5e-3, "{up:?}");

@@ -91,7 +91,7 @@ fn any_sun_gives_a_valid_scene() {
 
 /// The sky is brightest beside the sun, in the direction that the settings name.
 #[test]
-fn the_glow_is_where_the_sun_is() {
+fn the_sky_is_brightest_beside_the_sun() {
     for azimuth in 0..8 {
         let (x, z) = (azimuth as f32).sin_cos();
         let to_sun = Vec3::new(x, 0.5, z).normalize();
@@ -115,7 +115,7 @@ fn the_glow_is_where_the_sun_is() {
 
 /// The ground sends back its albedo's share of all that falls on it.
 #[test]
-fn the_ground_reflects_what_it_gets() {
+fn the_ground_reflects_its_albedo_of_incoming_light() {
     let settings = SkySettings { ground_albedo: 0.5, width: 64, ..SkySettings::default() };
     let Sky { map, sun } = sky(&settings).expect("valid settings");
     let sun = sun.expect("it is up");
@@ -126,7 +126,7 @@ fn the_ground_reflects_what_it_gets() {
 }
 
 #[test]
-fn settings_are_checked() {
+fn invalid_sky_settings_are_refused() {
     let cases = [
         (SkySettings { turbidity: 0.5, ..SkySettings::default() }, "the turbidity is 0.5"),
         (SkySettings { ground_albedo: f32::NAN, ..SkySettings::default() }, "albedo is NaN"),
@@ -141,7 +141,7 @@ fn settings_are_checked() {
 }
 
 #[test]
-fn a_scene_has_one_sun() {
+fn the_skys_sun_replaces_the_scenes_own() {
     let mut environment = Environment { radiance: Vec3::splat(7.0), ..Environment::default() };
     let lamp = Light { name: "lamp".to_owned(), ..Light::default() };
     let own =

@@ -14,7 +14,7 @@ fn subjects(scene: &Scene, fineness: Fineness) -> Vec<&'static str> {
 }
 
 #[test]
-fn voxels_are_coarse_where_light_comes_from_within_two_of_them() {
+fn large_voxels_give_a_note_about_the_grid() {
     let scene = builtin::scene("cornell").unwrap();
     // The box is 2 m wide.
     for (voxel_m, is_coarse) in [(1.0 / 64.0, false), (1.0 / 16.0, false), (0.5, true)] {
@@ -24,7 +24,7 @@ fn voxels_are_coarse_where_light_comes_from_within_two_of_them() {
 }
 
 #[test]
-fn shadow_maps_are_coarse_where_things_are_lower_than_two_texels() {
+fn large_shadow_texels_give_a_note() {
     // Blocks of a metre on a ground of 2 km.
     let ground = quad(Vec3::ZERO, Vec3::Z * 1000.0, Vec3::X * 1000.0);
     let block = |x: f32| {

@@ -25,7 +25,7 @@ fn light_of(scene: &Scene) -> Option<DefaultLight> {
 }
 
 #[test]
-fn what_glows_a_little_is_not_left_in_the_dark() {
+fn scenes_with_faint_emitters_get_default_light() {
     for radiance in [1e-3, 1e3] {
         // The neck of a helmet glows, or a window of a diorama.
         let helmet = light_of(&glowing(helmet(), 3, radiance));
@@ -37,7 +37,7 @@ fn what_glows_a_little_is_not_left_in_the_dark() {
 /// A studio is not brighter than an emissive thing in it, which is therefore seen to glow; its
 /// units are stated nevertheless.
 #[test]
-fn what_glows_is_seen_to_glow() {
+fn studio_light_is_dimmed_below_emitters() {
     let dimmed = |radiance: f32| {
         let mut scene = glowing(helmet(), 3, radiance);
         let Some(DefaultLight::Studio { studio, dimmed, .. }) = lit(&mut scene, None) else {
@@ -52,7 +52,7 @@ fn what_glows_is_seen_to_glow() {
 }
 
 #[test]
-fn a_lamp_that_lights_its_closed_room_is_enough() {
+fn rooms_with_enough_lamp_light_get_no_default() {
     let lamp = quad(Vec3::new(0.0, 2.99, 0.0), Vec3::X * 0.5, Vec3::Z * 0.5);
     let mut room = glowing(scene([room(), lamp], false), 1, 1.0);
     assert_eq!(light_of(&room), None, "pi lm on 108 m²");
@@ -69,7 +69,7 @@ fn a_lamp_that_lights_its_closed_room_is_enough() {
 }
 
 #[test]
-fn one_dim_lamp_is_not_enough_for_a_thing() {
+fn an_object_under_one_dim_lamp_gets_default_light() {
     let lamp = |intensity: f32| {
         let mut scene = helmet();
         scene.lights.push(Light {
@@ -98,7 +98,7 @@ fn one_dim_lamp_is_not_enough_for_a_thing() {
 }
 
 #[test]
-fn built_in_scenes_are_left_as_they_are() {
+fn staging_does_not_change_built_in_scenes() {
     for name in builtin::names() {
         let original = builtin::scene(name).unwrap();
         let mut staged = original.clone();
@@ -109,7 +109,7 @@ fn built_in_scenes_are_left_as_they_are() {
 }
 
 #[test]
-fn what_is_asked_for_is_what_is_put_around() {
+fn requested_staging_is_applied() {
     let staged = |scene: &Scene, staging| {
         let mut scene = scene.clone();
         let sight = scene.stage(&SightOptions { staging, ..SightOptions::default() });
@@ -133,7 +133,7 @@ fn what_is_asked_for_is_what_is_put_around() {
 }
 
 #[test]
-fn landscapes_have_a_sky_and_a_horizon() {
+fn landscapes_get_a_sky_and_a_ground() {
     let mut scene = terrain();
     let Some(DefaultLight::SunAndSky { ground: Some(ground), .. }) = lit(&mut scene, None) else {
         panic!("a landscape lies in the open")
@@ -144,7 +144,7 @@ fn landscapes_have_a_sky_and_a_horizon() {
 }
 
 #[test]
-fn choices_are_told_with_what_overrules_them() {
+fn notes_name_the_options_that_override_choices() {
     let mut scene = helmet();
     let sight = scene.stage(&SightOptions::default());
     let told: Vec<String> = sight.notes.iter().map(Note::to_string).collect();
@@ -171,7 +171,7 @@ fn choices_are_told_with_what_overrules_them() {
 }
 
 #[test]
-fn open_boxes_are_looked_into_at_any_scale() {
+fn cameras_look_into_open_boxes_at_any_scale() {
     let (low, high) = (Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 2.0, 1.0));
     let blocks = || {
         [(-0.4, -0.3, 1.2), (0.4, 0.4, 0.6)].map(|(x, z, height)| {
@@ -218,7 +218,7 @@ fn open_boxes_are_looked_into_at_any_scale() {
 }
 
 #[test]
-fn boards_are_looked_at_along_their_thin_axis() {
+fn cameras_view_boards_along_their_thin_axis() {
     // A picture frame, a circuit board with its parts, a shelf's side.
     for (thin, half) in [
         (Vec3::Z, Vec3::new(0.8, 0.6, 0.01)),
@@ -268,7 +268,7 @@ fn small_things_on_a_large_ground_fill_the_picture() {
 }
 
 #[test]
-fn nothing_hides_behind_its_own_wall() {
+fn cameras_view_stage_sets_from_the_open_side() {
     let things = || {
         [-1.0, 0.2, 1.3].map(|x| {
             cuboid(Vec3::new(x - 0.3, 0.0, -0.3), Vec3::new(x + 0.3, 0.7, 0.3), Faces::NO_BOTTOM)
@@ -288,7 +288,7 @@ fn nothing_hides_behind_its_own_wall() {
 
 /// Rays count what they are tested against, which is the same on every machine.
 #[test]
-fn slivers_do_not_cost_minutes() {
+fn framing_slivers_needs_a_bounded_number_of_tests() {
     for corners in [50_000, 200_000_u32] {
         // A disc of slivers around its middle, as CAD writes them.
         let at = |i: u32| {

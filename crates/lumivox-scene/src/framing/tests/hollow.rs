@@ -126,7 +126,7 @@ fn ship() -> Scene {
 }
 
 #[test]
-fn hollow_things_are_no_rooms() {
+fn hollow_objects_are_not_treated_as_rooms() {
     let all = [
         ("teapot", teapot()),
         ("robot", robot()),
@@ -158,7 +158,7 @@ fn hollow_things_are_no_rooms() {
 }
 
 #[test]
-fn who_asks_for_the_inside_gets_it() {
+fn inside_cameras_work_for_hollow_objects() {
     for (name, scene) in [("teapot", teapot()), ("gear box", gear_box())] {
         let camera = Framing::of(&scene).inside(ASPECT);
         let camera = camera.unwrap_or_else(|| panic!("there is room in a {name}"));

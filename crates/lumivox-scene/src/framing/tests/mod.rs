@@ -154,7 +154,7 @@ fn assert_stands_free(scene: &Scene, camera: &Camera, clearance_m: f32) {
 }
 
 #[test]
-fn rooms_are_places_and_seen_along_their_length() {
+fn rooms_are_viewed_from_inside_along_their_length() {
     let scene = scene([room()], false);
     let framing = Framing::of(&scene);
     assert!(framing.is_place() && framing.is_enclosed());
@@ -219,7 +219,7 @@ fn lamps_give_300_lux_in_the_mean() {
 /// A lamp in the middle of a cube that lacks one wall loses a sixth of its flux, and is brighter by
 /// that.
 #[test]
-fn a_lamp_makes_up_for_what_leaves_the_room() {
+fn lamps_compensate_for_light_lost_through_openings() {
     let mut walls = interior(Vec3::NEG_ONE, Vec3::ONE);
     let is_open = |t: &[u32]| t.iter().all(|&i| walls.positions[i as usize].x > 0.9);
     walls.indices = walls.indices.chunks(3).filter(|t| !is_open(t)).flatten().copied().collect();
@@ -231,7 +231,7 @@ fn a_lamp_makes_up_for_what_leaves_the_room() {
 }
 
 #[test]
-fn boxes_are_things_from_outside() {
+fn boxes_are_viewed_from_outside() {
     let block = || cuboid(Vec3::new(-1.0, 0.0, -2.0), Vec3::new(1.0, 1.0, 2.0), Faces::ALL);
     for is_double_sided in [false, true] {
         let scene = scene([block()], is_double_sided);
@@ -242,7 +242,7 @@ fn boxes_are_things_from_outside() {
 }
 
 #[test]
-fn double_sided_shells_are_rooms_where_they_are_furnished() {
+fn double_sided_shells_are_rooms_only_if_furnished() {
     // Sketching programs make rooms of which the front is outside.
     let shell = cuboid(Vec3::new(-3.0, 0.0, -2.0), Vec3::new(3.0, 3.0, 2.0), Faces::ALL);
     assert!(!Framing::of(&scene([shell.clone()], true)).is_place());
@@ -267,7 +267,7 @@ fn hollow_things_and_landscapes_are_seen_from_outside() {
 }
 
 #[test]
-fn a_cup_is_a_thing() {
+fn a_cup_is_not_treated_as_a_room() {
     let walls = frame(
         Vec2::splat(0.04),
         Vec2::splat(0.035),
@@ -305,7 +305,7 @@ fn an_open_hall_is_seen_from_its_floor_and_lit_through_its_roof() {
 }
 
 #[test]
-fn a_box_that_lacks_a_wall_is_looked_into() {
+fn cameras_look_into_a_box_missing_a_wall() {
     let mut scene = builtin::scene("cornell").unwrap();
     scene.cameras.clear();
     let camera = scene.default_camera(ASPECT);
@@ -315,7 +315,7 @@ fn a_box_that_lacks_a_wall_is_looked_into() {
 }
 
 #[test]
-fn scale_makes_no_difference() {
+fn framing_is_independent_of_scale() {
     for original in [helmet(), hall(), scene([room()], false)] {
         let (small, large) = (scaled(&original, 1e-3), scaled(&original, 1e3));
         let (a, b) = (small.default_camera(ASPECT), large.default_camera(ASPECT));
@@ -341,7 +341,7 @@ fn scale_makes_no_difference() {
 }
 
 #[test]
-fn the_same_scene_gives_the_same_answer() {
+fn framing_is_deterministic() {
     let (mut a, mut b) = (hall(), hall());
     assert_eq!(a.default_camera(1.0), b.default_camera(1.0));
     assert_eq!(lit(&mut a, None), lit(&mut b, None));
@@ -364,7 +364,7 @@ fn flat_scenes_are_seen_from_their_front() {
 }
 
 #[test]
-fn nearly_nothing_does_no_harm() {
+fn a_degenerate_sliver_scene_can_be_staged() {
     let mut sliver = quad(Vec3::ZERO, Vec3::X, Vec3::Y * 1e-6);
     sliver.indices.truncate(3);
     for scale in [1e-9, 1e-3, 1.0, 1e9] {

@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_list_of_ones_own_stays_as_it_is() {
+    fn an_own_vertex_list_is_not_changed() {
         let mut mesh =
             Mesh { positions: vec![Vec3::ZERO; 100], indices: vec![7, 8, 9], ..Mesh::default() };
         let before = mesh.clone();

@@ -215,7 +215,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn strips_alternate_and_fans_turn() {
+    fn strips_and_fans_become_consistently_wound_triangles() {
         let strip = to_triangles(Mode::TriangleStrip, &[0, 1, 2, 3, 4]);
         assert_eq!(strip, [0, 1, 2, 1, 3, 2, 2, 3, 4]);
         let fan = to_triangles(Mode::TriangleFan, &[0, 1, 2, 3]);

@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn scale_acts_first_and_the_offset_last() {
+    fn texture_transforms_scale_then_rotate_then_offset() {
         let value = serde_json::json!({
             "offset": [0.25, -1], "rotation": 0.5, "scale": [2, 3], "texCoord": 1,
         });

@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn formats_are_told_by_their_first_bytes() {
+    fn image_formats_are_detected_by_first_bytes() {
         let image = image::RgbaImage::from_fn(3, 2, |x, y| {
             image::Rgba([x as u8 * 80, y as u8 * 90, 7, 200 + x as u8])
         });
@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_image_is_said() {
+    fn errors_say_why_data_is_not_an_image() {
         for (bytes, remedy) in [
             (&b""[..], BROKEN),
             (b"hello", OF_ANOTHER_KIND),

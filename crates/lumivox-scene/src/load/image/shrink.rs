@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_averaged_as_light_and_data_as_they_are() {
+    fn colours_are_averaged_linearly_and_data_directly() {
         let board =
             pixels(2, 2, &[[255, 255, 0, 255], [0, 0, 0, 255], [0, 0, 0, 255], [255, 255, 0, 255]]);
         // Half the light is 188 in sRGB.
@@ -113,13 +113,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_invisible_does_not_bleed() {
+    fn transparent_texels_do_not_bleed_when_shrinking() {
         let leaf = pixels(2, 1, &[[0, 200, 0, 255], [255, 0, 255, 0]]);
         assert_eq!(shrink(leaf, 1, Encoding::Color), pixels(1, 1, &[[0, 200, 0, 128]]));
     }
 
     #[test]
-    fn odd_edges_lose_nothing() {
+    fn odd_sizes_shrink_without_losing_texels() {
         // Five texels become two: each covers two and a half.
         let row = pixels(5, 1, &[[0; 4], [0; 4], [200; 4], [100; 4], [50; 4]]);
         let half = shrink(row, 1, Encoding::Data);

@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn what_exists_decides_between_names_and_options() {
+    fn existing_files_disambiguate_names_from_options() {
         let exists = |name: &[u8]| [&b"my wood - dark.png"[..], b"a.png", b"7"].contains(&name);
         let parse = |rest| Map::parse(rest, &exists).unwrap();
         for (line, file, ignored) in [

@@ -319,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ramp_becomes_its_slope() {
+    fn a_height_ramp_becomes_normals_of_its_slope() {
         // Ten levels a texel to the right, and a flat column at each end of the wrap.
         let width = 20;
         let ramp = RgbaImage::from_fn(width, 8, |x, _| {
@@ -344,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn bumps_are_told_from_normals() {
+    fn bump_maps_are_distinguished_from_normal_maps() {
         let flat = RgbaImage::from_pixel(4, 4, Rgba([128, 128, 255, 255]));
         assert!(holds_normals(&flat));
         let grey = RgbaImage::from_fn(4, 4, |x, _| Rgba([x as u8 * 50; 4]));

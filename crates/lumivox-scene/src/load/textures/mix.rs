@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn channels_come_from_where_they_are_told() {
+    fn channels_are_taken_from_the_requested_images() {
         let mix = Mix::Channels([Some((0, 0)), Some((1, 1)), None, Some((1, 3))]);
         // The images differ in size: the smaller one is enlarged.
         let mixed = mix.mix(&[flat(2, [10, 20, 30, 40]), flat(4, [50, 60, 70, 80])], 4, 4);
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn gloss_takes_from_the_diffuse_what_it_reflects() {
+    fn specular_reflection_is_subtracted_from_diffuse() {
         // sRGB 188 is a linear 0.5029; half of it by the factor leaves 0.7486 of the diffuse white,
         // which is sRGB 224.
         let specular = [0.0.into(), 0.5.into(), 0.0.into()];

@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn white_space_alone_separates() {
+    fn only_white_space_separates_tokens() {
         assert_eq!(tokens(" a = b"), [("a", 1, 2), ("=", 1, 4), ("b", 1, 6)]);
         assert_eq!(tokens("a=b{c}"), [("a=b{c}", 1, 1)]);
         assert_eq!(
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn signs_stand_alone() {
+    fn signs_are_recognized_only_as_separate_tokens() {
         let signs: Vec<bool> = Tokens::new("= { } == {} a").map(|token| token.is_sign()).collect();
         assert_eq!(signs, [true, true, true, false, false, false]);
     }

@@ -29,7 +29,7 @@ fn names_have_values_or_blocks() {
 }
 
 #[test]
-fn stray_tokens_are_passed_over_and_told() {
+fn stray_tokens_are_ignored_with_a_warning() {
     let (block, warnings) = read_text("oh scene { dear name = a b\n c= d={ } }").unwrap();
     assert_eq!(short(&block), "scene{name=a}");
     let expected = [
@@ -49,7 +49,7 @@ fn stray_tokens_are_passed_over_and_told() {
 }
 
 #[test]
-fn errors_tell_where_what_and_what_else() {
+fn errors_name_place_found_token_and_expectation() {
     for (text, message) in [
         ("scene {", "a.scene:1:8: found the end of the file, expected `}` for the `{` at 1:7"),
         (
@@ -68,7 +68,7 @@ fn errors_tell_where_what_and_what_else() {
 }
 
 #[test]
-fn what_is_too_much_is_an_error() {
+fn excessive_nesting_and_entries_are_refused() {
     let fault = read_text(&"a { ".repeat(1_000_000)).unwrap_err();
     assert!(fault.starts_with("a.scene:1:131: found a block within 32 others"), "{fault}");
     let deepest = format!("{}{}", "a { ".repeat(DEEPEST), "} ".repeat(DEEPEST));
@@ -150,7 +150,7 @@ fn nodes_of(block: &Block<'_>) -> Vec<Node> {
 
 proptest! {
     #[test]
-    fn a_printed_tree_reads_as_itself(nodes in nodes(), mut seed in any::<u64>()) {
+    fn printed_trees_round_trip(nodes in nodes(), mut seed in any::<u64>()) {
         let mut text = String::new();
         print(&nodes, &mut seed, &mut text);
         let (block, warnings) = read_text(&text).unwrap();

@@ -12,7 +12,7 @@ fn folder(target: &str) -> PathBuf {
 
 /// Each input in a line of its own, so that the last line is the input that failed.
 #[test]
-fn no_input_of_the_corpus_makes_a_loader_fail() {
+fn no_corpus_input_makes_a_loader_panic() {
     for target in targets::TARGETS {
         let mut files: Vec<_> =
             std::fs::read_dir(folder(target)).unwrap().map(|entry| entry.unwrap().path()).collect();

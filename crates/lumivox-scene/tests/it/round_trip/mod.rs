@@ -71,7 +71,7 @@ fn an_empty_scene_with_a_box_survives() {
 }
 
 #[test]
-fn a_saved_file_is_what_to_glb_gives() {
+fn save_glb_writes_the_bytes_of_to_glb() {
     let scene = builtin::scene("cornell").unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cornell.glb");
@@ -83,7 +83,7 @@ fn a_saved_file_is_what_to_glb_gives() {
 }
 
 #[test]
-fn copies_cost_nothing() {
+fn duplicate_meshes_are_stored_once() {
     let scene = builtin::scene("cornell").unwrap();
     let once = scene.to_glb().unwrap().len();
     let mut twice = scene.clone();
@@ -100,7 +100,7 @@ fn copies_cost_nothing() {
 }
 
 #[test]
-fn faults_name_the_file() {
+fn save_errors_name_the_file() {
     let scene = builtin::scene("cornell").unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("no such folder").join("cornell.glb");
@@ -151,7 +151,7 @@ fn extras_that_do_not_fit_are_ignored_with_a_warning() {
 
 /// Programs that do not know our exact matrix have offset, rotation and scale, which say the same.
 #[test]
-fn textures_lie_right_without_extras() {
+fn texture_transforms_are_correct_without_extras() {
     for (scale, angle_rad) in [(Vec2::new(2.0, 0.5), 0.7), (Vec2::new(1.0, -3.0), -2.5)] {
         let mut scene = builtin::scene("cornell").unwrap();
         scene.textures.push(Texture {

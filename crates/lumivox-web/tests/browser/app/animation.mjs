@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { app } from "../harness/viewer.mjs";
 
-test("the slider of the time follows what plays", async () => {
+test("the time slider follows the playing animation", async () => {
     await app.drop([{ name: "swing.gltf", bytes: swing() }]);
     await app.page.waitForSelector(`#title:text-is("swing")`, { state: "attached" });
     await app.complete();
@@ -22,7 +22,7 @@ test("the slider of the time follows what plays", async () => {
     assert.equal(await app.page.locator("#time-value").textContent(), shown.toFixed(2));
 });
 
-test("a camera of the scene goes where the animation moves it", async () => {
+test("a scene camera follows its animation", async () => {
     await app.drop([{ name: "swing.gltf", bytes: swing() }]);
     await app.page.waitForSelector(`#title:text-is("swing")`, { state: "attached" });
     await app.complete();

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { app } from "../harness/viewer.mjs";
 
-test("what is wrong is an Error with a code and a remedy, and nothing has changed", async (t) => {
+test("bad calls throw an Error and change nothing", async (t) => {
     await app.load("builtin:panel");
     app.messages.expect(/404/);
     const settings = await app.call("settings");
@@ -56,7 +56,7 @@ test("what is wrong is an Error with a code and a remedy, and nothing has change
     }
 });
 
-test("a signal cancels a loading, and the last scene stays", async () => {
+test("an abort signal cancels loading and keeps the scene", async () => {
     const seen = await app.worker.evaluate(async () => {
         // @ts-ignore: the page leaves it there
         const { renderer } = self;

@@ -40,7 +40,7 @@ describe("the console", () => {
         assert.match(await enter("help translate"), /^translate .*\n.*In VXCT:/s);
     });
 
-    test("lines change what is seen, and the panel follows", async () => {
+    test("console lines change the picture and the panel", async () => {
         const plain = await app.pixels();
         assert.equal(await enter("light lamp color 1 0 0"), "");
         const red = await app.pixels();
@@ -60,7 +60,7 @@ describe("the console", () => {
         assert.ok((await app.call("scene")).voxels < voxels);
     });
 
-    test("scenes, scripts and files", async () => {
+    test("console commands load scenes, run scripts, save files", async () => {
         await enter("load builtin:panel --surroundings none; resolution 32");
         assert.equal(await app.page.locator("#title").textContent(), "panel");
         assert.equal(await enter("load"), "load builtin:panel --surroundings none");
@@ -71,7 +71,7 @@ describe("the console", () => {
         assert.match(await enter("script"), /^size 96x72\n.*load builtin:panel/s);
     });
 
-    test("what is wrong is said where it is typed, and what went before is done", async () => {
+    test("the console shows errors and runs preceding commands", async () => {
         assert.equal(await enter("echo one; lodd 1; echo two"), 'one\nthere is no command "lodd"; did you mean "lod"?');
         assert.match(await enter("load nowhere"), /there is no scene "nowhere"/);
         assert.match(await enter("resolution 17"), /resolution is .* got "17"/);

@@ -7,7 +7,7 @@ import { Session } from "../harness/browser.mjs";
 import { different } from "../harness/picture.mjs";
 import { app, session } from "../harness/viewer.mjs";
 
-test("what WebGPU's validation says is heard by these tests", async () => {
+test("WebGPU validation messages reach the test harness", async () => {
     await app.worker.evaluate(async () => {
         const adapter = await navigator.gpu.requestAdapter();
         const device = await adapter?.requestDevice();
@@ -21,7 +21,7 @@ test("what WebGPU's validation says is heard by these tests", async () => {
     app.messages.expect(/MapRead/);
 });
 
-test("more than the device holds is refused with what to choose instead, and the picture stays", async (t) => {
+test("requests beyond device limits are refused with alternatives", async (t) => {
     const before = await app.pixels();
     const settings = await app.call("settings");
     /** @type {[string, () => Promise<unknown>, RegExp][]} */
@@ -80,7 +80,7 @@ test("a browser without WebGPU is told which ones have it", async () => {
     await without.close();
 });
 
-test("a browser without an adapter for it is told so", async () => {
+test("a browser without an adapter shows a message", async () => {
     const plain = await Session.start({ webgpu: false });
     try {
         const without = await App.open(plain, { link: `scene=builtin:cornell&${LINK}` });

@@ -30,7 +30,7 @@ test("materials are edited in the panel", async () => {
     assert.ok(different(before, await app.pixels()) > 500);
 });
 
-test("a double click chooses what is there, and the camera orbits it", async () => {
+test("a double click selects the orbit target", async () => {
     await app.load("builtin:spheres");
     const { objects, bounds } = await app.call("scene");
     const [x, y] = [VIEWPORT.width / 2, VIEWPORT.height * 0.55];
@@ -107,7 +107,7 @@ test("the picture fills the screen, and comes back", async () => {
     assert.ok(colors(await app.pixels()) > 100);
 });
 
-test("changes are taken back and done again", async () => {
+test("undo and redo restore changes", async () => {
     await app.load("builtin:cornell");
     const before = await app.pixels();
     const undo = app.page.locator("#undo");
@@ -172,7 +172,7 @@ test("the light under the mouse and the histogram are those of the picture", asy
     await app.page.mouse.move(0, 0);
 });
 
-test("a first, coarse picture comes before the one that was asked for", async () => {
+test("a coarse picture precedes the requested one", async () => {
     const seen = await app.worker.evaluate(async () => {
         // @ts-ignore
         const { renderer } = self;

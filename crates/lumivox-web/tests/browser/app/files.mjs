@@ -43,7 +43,7 @@ test("a .glb is dropped", async () => {
     await shows("cornell", "cornell.glb");
 });
 
-test("what is no scene tells so, and the picture stays", async (t) => {
+test("invalid scene files show an error, picture unchanged", async (t) => {
     const picture = await app.pixels();
     const [gltf, bin] = separate(cornell, "box");
     /** @type {[string, { name: string, bytes: Buffer | string }[], RegExp][]} */
@@ -115,7 +115,7 @@ test("files of a folder find each other by their paths", async () => {
     assert.equal(info.triangles, 40);
 });
 
-test("an address of another site needs its leave", async () => {
+test("loading from another origin needs CORS", async () => {
     app.messages.expect(/blocked by CORS policy|net::ERR_FAILED/);
     const server = await serve(session.folder);
     try {
@@ -127,7 +127,7 @@ test("an address of another site needs its leave", async () => {
     }
 });
 
-test("an address of nothing tells so", async () => {
+test("a missing address shows an error", async () => {
     // The browser itself reports the 404.
     app.messages.expect(/404/);
     await app.inPanel("Scene", async () => {

@@ -51,7 +51,7 @@ test("a panorama is dropped with a scene, turned and made brighter", async () =>
     assert.ok(different(plain, await app.pixels()) > 1000);
 });
 
-test("what is no panorama tells so, and the picture stays", async () => {
+test("invalid panoramas show an error, picture unchanged", async () => {
     const before = await app.pixels();
     for (const [name, bytes, message] of /** @type {[string, string | Buffer, RegExp][]} */ ([
         ["page.hdr", "<!doctype html>", /page\.hdr: it is a web page/],
@@ -64,7 +64,7 @@ test("what is no panorama tells so, and the picture stays", async () => {
     }
 });
 
-test("a scene that is lit by its own emission alone says so, until something else shines", async () => {
+test("a hint shows while only emission lights", async () => {
     await app.load("builtin:panel");
     const hint = app.page.locator("#hint");
     assert.ok(await hint.isVisible());
@@ -79,7 +79,7 @@ test("a scene that is lit by its own emission alone says so, until something els
     assert.ok(await hint.isHidden());
 });
 
-test("a dropped panorama takes the place of what was put around a scene", async () => {
+test("a dropped panorama replaces staged surroundings", async () => {
     await app.inPanel("Scene", () => app.page.locator("#surroundings").selectOption("sky"));
     const staged = await app.call("scene");
     assert.ok(staged.lights.some((/** @type {any} */ { name }) => name === "default sun"));

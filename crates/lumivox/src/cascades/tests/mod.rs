@@ -145,7 +145,7 @@ fn mean(values: &[f32]) -> f32 {
 /// The voxels of every cascade are those of a dense grid over its box, face by face, cut at its
 /// border.
 #[test]
-fn each_cascade_has_the_voxels_of_its_box() {
+fn each_cascade_matches_a_dense_grid_of_its_box() {
     let grid = cascades(ROOM + Vec3::new(0.2, 0.3, 0.4), 3, 32);
     let own = grid.cascades.expect("it has cascades");
     let all = Lit::new(room(), grid, &[], Vec3::ONE, 0).faces();
@@ -187,7 +187,7 @@ fn cascade_of(own: &crate::Cascades, stored: UVec3) -> usize {
 /// dense volumes moved by whole voxels does as much.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn within_a_cascade_light_is_that_of_a_dense_volume() {
+fn light_within_a_cascade_matches_a_dense_volume() {
     let grid = cascades(ROOM + Vec3::new(0.5, 0.35, 0.45), 3, 96);
     let points = scattered(96);
     let walls = || {
@@ -211,7 +211,7 @@ fn within_a_cascade_light_is_that_of_a_dense_volume() {
 /// reflected, so that nothing of it is drawn by a face, is the same within rounding.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn the_seam_of_the_store_is_not_seen() {
+fn the_storage_seam_does_not_change_light() {
     let points = scattered(96);
     let grid = cascades(ROOM + Vec3::new(0.5, 0.35, 0.45), 1, 96);
     assert!(grid.cascades.expect("it has one").lowest()[0].cmpgt(IVec3::ZERO).all());
@@ -234,7 +234,7 @@ fn the_seam_of_the_store_is_not_seen() {
 /// Light continues across a cascade's border in a room.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn across_a_border_light_goes_on() {
+fn light_is_continuous_across_cascade_borders() {
     let points = scattered(96);
     let center = ROOM + Vec3::new(0.1, 0.35, 0.2);
     let grid = cascades(center, 3, 32);
@@ -255,7 +255,7 @@ fn across_a_border_light_goes_on() {
 /// While cascades move over a room nothing of it changes: its voxels stay where they are stored.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn moving_cascades_leave_the_light_of_what_they_hold() {
+fn moving_cascades_keep_the_light_inside_them() {
     let points = scattered(64);
     let center = ROOM + Vec3::new(0.5, 0.35, 0.45);
     let [a, b] = [0.0, 1.0].map(|strides| {
@@ -305,7 +305,7 @@ fn a_kilometre_of_ground_reflects_the_sky() {
 /// draw among many is good only if neighbours in the list are neighbours in the world.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn emitters_follow_a_curve_on_all_sides_of_the_origin() {
+fn emitters_are_ordered_along_a_spatial_curve() {
     let places: Vec<Vec3> = scattered(128).into_iter().map(|(place, _)| place - ROOM).collect();
     let length = |grid: Grid, center: Vec3| {
         let lamps = places.iter().fold(SceneBuilder::default(), |scene, place| {
@@ -367,7 +367,7 @@ fn impossible_sizes_are_refused() {
 
 /// Memory is known beforehand, and walls at round coordinates are in the middle of voxels.
 #[test]
-fn boxes_are_stored_tightly_and_stand_well() {
+fn cascades_are_stored_compactly_with_walls_in_voxel_centres() {
     let options = CascadeOptions::default();
     assert!(options.reach_m() >= 1000.0);
     let bytes = options.bytes(crate::Directionality::SixLobes).expect("possible");
@@ -399,7 +399,7 @@ fn boxes_are_stored_tightly_and_stand_well() {
 /// light of what stays, and show the same light on the way.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn moved_boxes_arrive_at_those_of_a_new_clipmap() {
+fn moved_cascades_converge_to_a_fresh_clipmap() {
     let (device, queue) = device();
     let scene = || room().fixed();
     let center = ROOM + Vec3::new(0.5, 0.35, 0.45);
@@ -445,7 +445,7 @@ fn moved_boxes_arrive_at_those_of_a_new_clipmap() {
 /// ones. They do not inherit their light: a closed room without any light stays dark.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn another_voxel_in_the_same_place_has_no_light_of_the_former_one() {
+fn voxels_do_not_inherit_light_from_reused_slots() {
     let (device, _) = device();
     let apart = 32.0 * VOXEL_M * Vec3::X;
     let size = Vec3::splat(0.4);

@@ -18,7 +18,7 @@ fn assert_fresh(lit: &Lit, geometry: &Geometry, place: Vec3) {
 /// those of a new clipmap there.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn only_what_enters_the_boxes_is_walked() {
+fn only_surface_entering_the_boxes_is_voxelized() {
     let (device, _) = device();
     let floor = || {
         let size = Vec3::new(6.0, 0.0, 6.0);
@@ -73,7 +73,7 @@ fn without(geometry: &Geometry, gone: &[usize]) -> Geometry {
 /// are those of a new clipmap.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn draws_that_come_and_go_are_walked_alone() {
+fn only_surface_near_changed_draws_is_voxelized() {
     let geometry = plates().build(&device().0);
     let start = ROOM + Vec3::new(0.5, 0.35, 0.45);
     let stride = STRIDE as f32 * VOXEL_M;
@@ -102,7 +102,7 @@ fn draws_that_come_and_go_are_walked_alone() {
 /// If draws come and go in every frame, the voxels follow nevertheless, a few frames late.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn voxels_follow_draws_that_never_rest() {
+fn voxels_follow_draws_that_change_every_frame() {
     let geometry = plates().build(&device().0);
     let start = ROOM + Vec3::new(0.5, 0.35, 0.45);
     let first = geometry.batches[0].draws.len() - 16;
@@ -121,7 +121,7 @@ fn voxels_follow_draws_that_never_rest() {
 /// voxels are the right ones.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn voxels_stay_where_a_draw_comes_back_at_once() {
+fn voxels_are_kept_if_a_draw_returns_at_once() {
     let geometry = plates().build(&device().0);
     let place = ROOM + Vec3::new(0.5, 0.35, 0.45);
     let gone = without(&geometry, &[geometry.batches[0].draws.len() - 1]);

@@ -58,7 +58,7 @@ fn close(actual: Vec3, expected: Vec3, share: f32, what: &str) {
 }
 
 #[test]
-fn faces_cover_the_sphere_once() {
+fn cube_texels_cover_the_whole_solid_angle() {
     for edge in [1, 2, 7, 16] {
         let texels = (0..edge).flat_map(|y| (0..edge).map(move |x| (x, y)));
         let face: f32 = texels.map(|(x, y)| solid_angle_sr(edge, x, y)).sum();
@@ -67,7 +67,7 @@ fn faces_cover_the_sphere_once() {
 }
 
 #[test]
-fn every_mip_holds_the_panoramas_light() {
+fn every_mip_keeps_the_panoramas_total_light() {
     let image = image(64, with_disc(Vec3::new(0.3, 0.5, 0.7), 0.2, 30.0, gradient));
     let panorama = image.panorama();
     let total = integral(panorama, |_| 1.0).as_vec3();
@@ -111,7 +111,7 @@ fn moment_of(panorama: Panorama<'_>) -> Vec3 {
 }
 
 #[test]
-fn large_panoramas_are_reduced_without_loss() {
+fn reduced_panoramas_keep_their_total_light() {
     let image = image(256, with_disc(Vec3::new(0.3, 0.5, 0.7), 0.05, 30.0, gradient));
     let small = reduced(image.panorama(), 64).expect("it is too large");
     assert_eq!((small.width, small.height), (64, 32));
@@ -122,7 +122,7 @@ fn large_panoramas_are_reduced_without_loss() {
 
 /// The parts that are cut out and the rest add up, texel by texel and for surfaces that face both.
 #[test]
-fn a_sun_becomes_a_light_and_nothing_is_lost() {
+fn extracting_a_sun_keeps_the_total_light() {
     // From under a pole to a seam of the panorama.
     let suns = [
         Vec3::new(0.3, 0.8, -0.4),
@@ -160,7 +160,7 @@ fn a_sun_becomes_a_light_and_nothing_is_lost() {
 }
 
 #[test]
-fn what_is_no_compact_peak_stays() {
+fn only_compact_peaks_are_extracted() {
     let cut = |image: &Image| split(image.panorama()).peaks.len();
     assert_eq!(cut(&image(64, |_| Vec3::ONE)), 0, "a constant");
     assert_eq!(cut(&image(64, |_| Vec3::ZERO)), 0, "nothing");
@@ -186,7 +186,7 @@ fn what_is_no_compact_peak_stays() {
 /// A peak with as much light as a cone of the rest's radiance, pi / 12 of it, is cut out; a weaker
 /// one stays.
 #[test]
-fn a_peak_is_held_against_the_rest_without_it() {
+fn peaks_are_extracted_above_a_share_of_the_rest() {
     let disc = |lux| image(256, with_disc(Vec3::new(0.4, 0.5, 0.6), 0.03, lux, |_| Vec3::ONE));
     let light = |image: &Image| integral(image.panorama(), |_| 1.0).x - 4.0 * PI;
     // Texels make the disc a little larger or smaller than it is.
@@ -198,7 +198,7 @@ fn a_peak_is_held_against_the_rest_without_it() {
 }
 
 #[test]
-fn the_strongest_few_are_cut_out() {
+fn only_the_strongest_peaks_are_extracted() {
     // Six lamps over a dim room, each brighter than the last.
     let lamps: Vec<Vec3> = (0..6)
         .map(|i| {
@@ -226,7 +226,7 @@ fn the_strongest_few_are_cut_out() {
 
 /// Equal panoramas give the same bits, and a turned one the same lights turned.
 #[test]
-fn peaks_depend_on_nothing_else() {
+fn extracted_peaks_are_deterministic_and_turn_with_the_panorama() {
     let scene = with_disc(Vec3::new(0.3, 0.4, -0.5), 0.05, 40.0, gradient);
     let straight = image(128, &scene);
     let bits = |image: &Image| {

@@ -114,7 +114,7 @@ fn answer(question: vec4f, index: u32) -> vec3f {
 /// A sample is as wide wherever it falls on the cube: it blurs a step from black to white alike in
 /// the middle of a face and at an edge, where a texel has 0.35 of the solid angle.
 #[test]
-fn samples_of_the_map_are_as_wide_everywhere() {
+fn map_samples_blur_equally_across_the_cube() {
     let tile = Tile::new(Vec3::Y);
     let step = image(512, |d| if d.y > 0.0 { Vec3::ONE } else { Vec3::ZERO });
     let map = EnvironmentMap::new(&tile.device, &tile.queue, step.panorama()).expect("a map");
@@ -235,7 +235,7 @@ fn answer(question: vec4f, index: u32) -> vec3f {
 /// Under a bent normal the part of the hemisphere that lies below the surface is folded up, as in a
 /// mirror: of a map of the radiance 1 + y, a direction d then finds 1 + |d.y|.
 #[test]
-fn what_a_bent_normal_looks_at_below_the_surface_is_folded_up() {
+fn directions_below_the_surface_are_mirrored_up() {
     let tile = Tile::new(Vec3::Y);
     let map = image(128, |d| Vec3::splat(1.0 + d.y as f32));
     let map = EnvironmentMap::new(&tile.device, &tile.queue, map.panorama()).expect("a map");

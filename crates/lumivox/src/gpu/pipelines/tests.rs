@@ -27,7 +27,7 @@ fn kernel(pipelines: &Pipelines, library: &ShaderLibrary) -> Result<Kernel, Shad
 }
 
 #[test]
-fn the_same_content_is_made_once() {
+fn equal_shaders_and_layouts_are_created_once() {
     let pipelines = Pipelines::new(&device().0);
     for library in [library(1), library(1)] {
         kernel(&pipelines, &library).expect("it links");
@@ -47,7 +47,7 @@ fn the_same_content_is_made_once() {
 }
 
 #[test]
-fn what_is_not_compiled_before_is_at_its_first_use() {
+fn uncompiled_pipelines_are_compiled_at_first_use() {
     let (device, queue) = device();
     let pipelines = Pipelines::new(&device);
     let kernel = kernel(&pipelines, &library(1)).expect("it links");
@@ -93,7 +93,7 @@ fn pending_pipelines_are_compiled_and_counted() {
 }
 
 #[test]
-fn errors_come_when_a_kernel_is_asked_for() {
+fn shader_errors_are_returned_when_creating_a_kernel() {
     let pipelines = Pipelines::new(&device().0);
     let mut broken = library(1);
     broken.add("test::double", DOUBLE.replace("2 *", "2.5 *"));

@@ -264,7 +264,7 @@ fn steady_frames_make_no_new_slots() {
 }
 
 #[test]
-fn bytes_are_known_before_targets_are_made() {
+fn predicted_target_bytes_match_allocated_targets() {
     let (device, _) = device();
     for resolution in [TraceResolution::Full, TraceResolution::Half] {
         for preset in [Preset::Balanced, Preset::Realtime] {
@@ -281,7 +281,7 @@ fn bytes_are_known_before_targets_are_made() {
 /// A frame after a cut is that of new targets, and one without a cut is not.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn what_is_forgotten_does_not_shine_through() {
+fn forget_discards_all_history() {
     let room = Room::new();
     for resolution in [TraceResolution::Full, TraceResolution::Half] {
         let settings = TraceSettings { resolution, ..TraceSettings::preset(Preset::Realtime) };
@@ -322,7 +322,7 @@ fn a_skipped_frame_keeps_its_camera() {
 
 /// As when an engine hands over light that is not a number for one frame.
 #[test]
-fn what_is_not_a_number_is_not_remembered() {
+fn nan_light_does_not_enter_the_history() {
     let room = Room::new();
     for resolution in [TraceResolution::Full, TraceResolution::Half] {
         let settings = TraceSettings { resolution, ..TraceSettings::preset(Preset::Realtime) };
@@ -391,7 +391,7 @@ fn motion_of(room: &Room, seen: &GiView) -> Vec<Vec2> {
 /// Motion by only the camera, against the place of the pixel's surface in the previous frame; then
 /// motion by a texture.
 #[test]
-fn motion_is_where_the_surface_is_minus_where_it_was() {
+fn motion_is_current_minus_previous_surface_position() {
     let room = Room::new();
     let view = room::view(SIZE);
     // The camera looked elsewhere: as if the picture had been scaled about its middle and moved.

@@ -154,19 +154,19 @@ fn check_moves(volume: VolumeKind, directionality: Directionality, shadow: Shado
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn moves_leave_the_bits_of_a_fresh_volume() {
+fn a_moved_dense_volume_equals_a_fresh_one() {
     check_moves(VolumeKind::Dense, Directionality::SixLobes, Shadow::Cone);
 }
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn moves_leave_the_bits_of_a_fresh_isotropic_volume() {
+fn a_moved_isotropic_volume_equals_a_fresh_one() {
     check_moves(VolumeKind::Dense, Directionality::Isotropic, Shadow::None);
 }
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn moves_leave_the_bits_of_a_fresh_octree() {
+fn a_moved_octree_equals_a_fresh_one() {
     check_moves(VolumeKind::Octree, Directionality::SixLobes, Shadow::Cone);
     check_moves(VolumeKind::Octree, Directionality::Isotropic, Shadow::None);
 }
@@ -174,7 +174,7 @@ fn moves_leave_the_bits_of_a_fresh_octree() {
 /// Lists that are replaced before they are lit, and light that changes without the list.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn any_order_of_calls_leaves_the_bits_of_a_fresh_volume() {
+fn calls_in_any_order_equal_a_fresh_volume() {
     check_any_order(VolumeKind::Dense);
     check_any_order(VolumeKind::Octree);
 }
@@ -210,7 +210,7 @@ fn check_any_order(volume: VolumeKind) {
 
 /// A small change writes few cells.
 #[test]
-fn only_what_changed_is_written() {
+fn a_small_change_writes_few_cells() {
     let mut stage = Stage::new(VolumeKind::Dense, Directionality::SixLobes);
     // Cells that shine are written whenever their emission is hidden or shown.
     for material in &mut stage.geometry.materials {

@@ -154,7 +154,7 @@ fn filter_twin(finer: &Level, cell: UVec3, lobe: usize) -> ([f32; 4], [f32; 2]) 
 }
 
 #[test]
-fn pyramid_equals_its_twin() {
+fn mip_levels_match_the_cpu_twin() {
     let (device, queue, gi) = lit_room(32, Directionality::SixLobes);
     let levels = read_levels(&device, &queue, &gi);
     let mut filled = 0;
@@ -178,7 +178,7 @@ fn pyramid_equals_its_twin() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_new_list_leaves_nothing_of_the_old_one() {
+fn a_new_voxel_list_clears_the_old_content() {
     let (device, queue, mut gi) = lit_room(32, Directionality::SixLobes);
     // Moves the same room by some voxels: every trace of the first one must be gone.
     let shift = glam::Mat4::from_scale_rotation_translation(

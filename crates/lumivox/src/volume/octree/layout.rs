@@ -126,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn atlases_hold_their_bricks_with_little_to_spare() {
+    fn atlas_sizes_fit_their_bricks_tightly() {
         for bricks in [1, 2, 7, 8, 9, 511, 512, 513, 50_000, 3_000_000, 100_000_000] {
             let size = AtlasSize::of(bricks);
             let room = (size.texels() / 3).as_u64vec3().element_product();

@@ -11,7 +11,7 @@ fn a_panel_and_the_wall_behind_it_are_two_faces() {
 }
 
 #[test]
-fn a_face_covers_what_is_there() {
+fn a_face_records_the_covered_part_of_its_voxel() {
     // The panel ends in the middle of the voxel, along x and z: a quarter of the voxel's side.
     let list = Layers::new(8.6, 0.2, (0.0, 8.5)).voxelize(&Lab::new());
     let faces = middle_faces(&list, DOWN);
@@ -29,7 +29,7 @@ fn a_face_covers_what_is_there() {
 }
 
 #[test]
-fn fine_meshes_are_planes_as_well() {
+fn finely_tessellated_planes_become_single_faces() {
     let lab = Lab::new();
     let layers = Layers::new(8.5, 0.1, (0.0, EDGE));
     // Cells of half a voxel, and of a tenth.
@@ -47,7 +47,7 @@ fn fine_meshes_are_planes_as_well() {
 }
 
 #[test]
-fn what_moves_and_what_is_static_have_faces_of_their_own() {
+fn static_and_dynamic_surface_get_separate_faces() {
     let lab = Lab::new();
     for is_static in [[true, false], [false, true]] {
         for gap in [0.0, 0.1] {

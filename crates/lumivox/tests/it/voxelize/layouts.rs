@@ -36,7 +36,7 @@ fn indices(lab: &Lab, mesh: &Mesh, format: wgpu::IndexFormat, before: usize) -> 
 }
 
 #[test]
-fn every_layout_gives_the_bits_of_the_packed_one() {
+fn every_vertex_layout_voxelizes_to_equal_bits() {
     let lab = Lab::new();
     let grid = unit_grid(32);
     let mesh = Mesh::from_triangles(&triangle_soup()[..1000]);
@@ -71,7 +71,7 @@ fn every_layout_gives_the_bits_of_the_packed_one() {
 type Change = fn(&mut GeometryBatch);
 
 #[test]
-fn layouts_that_cannot_be_are_refused() {
+fn invalid_vertex_layouts_are_refused() {
     let lab = Lab::new();
     let mesh = Mesh::from_triangles(&triangle_soup()[..10]);
     let good = mesh.geometry(&lab.device, SurfaceMaterial::default());

@@ -84,7 +84,7 @@ fn alpha_halves_the_area() {
 }
 
 #[test]
-fn holes_are_not_occupied() {
+fn cut_out_texels_occupy_no_voxels() {
     let lab = Lab::new();
     // The left half is cut out; a texel is as large as an eighth of a voxel.
     let view = texture(&lab, 64, |x, _| [255, 255, 255, if x < 32 { 0 } else { 255 }]);
@@ -264,7 +264,7 @@ fn colours_of_vertices_multiply_reflectance_and_alpha() {
 }
 
 #[test]
-fn what_passes_does_not_block_and_what_blocks_reflects_the_rest() {
+fn transmission_reduces_blocking_and_the_rest_reflects() {
     let lab = Lab::new();
     // The left half lets 0.8 pass of what it does not absorb, the right half nothing.
     let view = texture(&lab, 64, |x, _| [if x < 32 { 255 } else { 0 }, 0, 0, 255]);

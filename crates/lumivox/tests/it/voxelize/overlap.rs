@@ -112,7 +112,7 @@ fn tiny_triangles_in_one_voxel() {
 /// Closed boxes: what lies in a boundary touches the voxels on both sides. All numbers are exact
 /// here.
 #[test]
-fn on_boundaries() {
+fn surface_on_a_boundary_touches_both_voxels() {
     let lab = Lab::new();
     let grid = unit_grid(16);
     for axis in 0..3 {
@@ -149,7 +149,7 @@ fn full_grid() {
 }
 
 #[test]
-fn what_cannot_be_voxelized_is_counted() {
+fn skipped_and_outside_triangles_are_counted() {
     let lab = Lab::new();
     let good = [Vec3::splat(3.2), Vec3::new(5.0, 3.0, 4.0), Vec3::new(4.0, 6.0, 3.0)];
     let triangles = [
@@ -173,7 +173,7 @@ fn what_cannot_be_voxelized_is_counted() {
 }
 
 #[test]
-fn transforms_and_batches() {
+fn transformed_draws_of_all_batches_are_voxelized() {
     let lab = Lab::new();
     let mut cube = Mesh::default();
     cube.cuboid(Mat4::from_scale(Vec3::splat(4.0)));

@@ -86,7 +86,7 @@ fn assert_same(kept: &ReadList, whole: &ReadList, what: &str) {
 }
 
 #[test]
-fn moves_give_the_bits_of_a_whole_voxelization() {
+fn moved_draws_match_a_full_revoxelization() {
     let lab = Lab::new();
     let (grid, mut geometry) = (room(), stage(&lab));
     let turned = Mat4::from_rotation_x(0.7);
@@ -123,7 +123,7 @@ fn moves_give_the_bits_of_a_whole_voxelization() {
 }
 
 #[test]
-fn draws_come_and_go() {
+fn added_and_removed_draws_match_a_full_revoxelization() {
     let lab = Lab::new();
     let (grid, mut geometry) = (room(), stage(&lab));
     for mesh in 1..5 {
@@ -158,7 +158,7 @@ type Change<'a> = (&'a str, &'a dyn Fn(&mut Geometry));
 /// A change of what is static is found, whoever forgot to say so.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_change_of_static_draws_is_noticed() {
+fn changes_to_static_draws_are_detected() {
     let lab = Lab::new();
     let (grid, geometry) = (room(), stage(&lab));
     let changes: [Change<'_>; 6] = [
@@ -203,7 +203,7 @@ impl Walker for AsItIs {
 
 /// A caller's own way sees every walk, and may leave it.
 #[test]
-fn what_is_left_is_walked_exactly() {
+fn a_custom_method_can_fall_back_to_exact_voxelization() {
     let lab = Lab::new();
     let (grid, geometry) = (room(), stage(&lab));
     let own = Lab::by(Some(Arc::new(AsItIs))).voxelize(&grid, &geometry);
@@ -230,7 +230,7 @@ fn sums_by_lobe(list: &ReadList) -> Sums {
 /// rounding, unless surface of both lies in one plane and there is more of it than a plane has room
 /// for.
 #[test]
-fn two_parts_are_one_surface() {
+fn static_and_dynamic_parts_equal_one_voxelization() {
     let lab = Lab::new();
     let (grid, mut geometry) = (room(), stage(&lab));
     for (mesh, place) in (1..).zip([at(0.0, 1.5, 1.0), at(1.4, 0.0, 0.7), at(1.0, 1.0, 0.01)]) {

@@ -50,7 +50,7 @@ pub fn error_of(lab: &Lab, grid: &Grid, geometry: &Geometry) -> GiError {
 }
 
 #[test]
-fn contradictions_are_errors() {
+fn contradictory_draws_are_refused() {
     let lab = Lab::new();
     let grid = unit_grid(16);
     let good = || cornell_box().geometry(&lab.device, SurfaceMaterial::default());
@@ -91,7 +91,7 @@ fn indices_out_of_range_do_no_harm() {
 }
 
 #[test]
-fn what_does_not_fit_names_the_limit_and_what_would() {
+fn limit_errors_name_the_limit_and_a_remedy() {
     let lab = Lab::new();
     let grid = Grid::fit(Vec3::ZERO, Vec3::splat(2.0), 1024, Vec3::ZERO).unwrap();
     let error = Gi::with_pipelines(&lab.device, &lab.queue, GiConfig::new(grid));

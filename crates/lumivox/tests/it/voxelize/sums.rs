@@ -166,7 +166,7 @@ fn boundary_planes_count_once() {
 }
 
 #[test]
-fn closed_surfaces_add_up_to_nothing() {
+fn vector_areas_of_closed_surfaces_sum_to_zero() {
     let lab = Lab::new();
     let grid = Grid::fit(Vec3::NEG_ONE, Vec3::ONE, 64, Vec3::ZERO).unwrap();
     // A million triangles, a dozen in a voxel's width.

@@ -73,21 +73,21 @@ fn assert_built_alike(gpu: &(Pipelines, wgpu::Queue), grid: Grid, geometry: &Geo
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_turned_room_in_a_grid_that_is_no_cube() {
+fn locks_match_ranks_for_a_turned_room() {
     let gpu = device();
     let geometry = turned_room(&gpu.0);
     assert_built_alike(&gpu, odd_grid(), &geometry);
 }
 
 #[test]
-fn one_triangle() {
+fn locks_match_ranks_for_one_triangle() {
     let gpu = device();
     let (grid, geometry) = speck(&gpu.0);
     assert_built_alike(&gpu, grid, &geometry);
 }
 
 #[test]
-fn all_triangles_in_one_voxel() {
+fn locks_match_ranks_for_one_crowded_voxel() {
     let gpu = device();
     let (grid, geometry) = crowded_voxel(&gpu.0);
     assert_built_alike(&gpu, grid, &geometry);
@@ -95,7 +95,7 @@ fn all_triangles_in_one_voxel() {
 
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_full_grid() {
+fn locks_match_ranks_for_a_full_grid() {
     let gpu = device();
     let (grid, geometry) = full_grid(&gpu.0);
     let locked = assert_built_alike(&gpu, grid, &geometry);
@@ -144,7 +144,7 @@ fn missing_nodes_are_an_error() {
 /// The builder's buffers count as the octree's memory while the octree may change, and are freed
 /// once nothing moves.
 #[test]
-fn its_memory_is_counted() {
+fn octree_memory_includes_the_lock_builders_buffers() {
     let gpu = device();
     let (device, queue) = &gpu;
     let geometry = |is_static: bool| {

@@ -95,7 +95,7 @@ fn at(x: f32, y: f32, z: f32) -> Mat4 {
 /// back. Cones see the same, as bricks have the same places.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn moves_that_are_waited_for_leave_the_bits_of_ranks() {
+fn blocking_moves_give_equal_bits_with_both_builders() {
     let mut pair = Pair::new();
     let geometry = room_with_a_box().build(&pair.gpu.0);
     let places = [
@@ -119,7 +119,7 @@ fn moves_that_are_waited_for_leave_the_bits_of_ranks() {
 /// the places of bricks, are not guaranteed.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn moves_within_frames_leave_the_bits_of_ranks() {
+fn moves_within_frames_give_equal_bits_with_both_builders() {
     let mut pair = Pair::new();
     let geometry = room_with_a_box().build(&pair.gpu.0);
     let only = |is_static: bool| {

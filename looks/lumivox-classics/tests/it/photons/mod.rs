@@ -174,7 +174,7 @@ fn assert_flux(what: &str, lit: &Lit, expected: f32, tolerance: f32) {
 /// in the grid: with an offset of one half it lies on a border of voxels, where rounding decides.
 /// Texels of 1.6 mm and an outline of 4 m: 0.6 % at worst, over the sine of the sun's height.
 #[test]
-fn a_floor_takes_up_the_suns_irradiance_times_its_area() {
+fn a_floor_receives_the_suns_irradiance_times_its_area() {
     for direction in [Vec3::NEG_Y, Vec3::new(0.4, -1.0, 0.7), Vec3::new(0.9, -0.25, -0.2)] {
         for offset in [Vec3::ZERO, Vec3::splat(0.5), Vec3::new(0.3, 0.77, 0.1)] {
             let photons = lit(floor(), FLOOR_BOUNDS, offset, sun(direction), Injection::Photons);
@@ -191,7 +191,7 @@ fn a_floor_takes_up_the_suns_irradiance_times_its_area() {
 /// Nothing is lost to rounding, and no sum overflows, with texels from a twentieth of a voxel to
 /// seven of them; where they are coarser than half a voxel all faces are evaluated directly.
 #[test]
-fn every_texel_counts() {
+fn photon_flux_is_exact_for_all_texel_sizes() {
     for size in [16, 64, 256, 1024] {
         let direction = Vec3::new(0.4, -1.0, 0.7);
         let (bounds, source) = (FLOOR_BOUNDS, sun(direction));
@@ -206,7 +206,7 @@ fn every_texel_counts() {
 }
 
 #[test]
-fn a_tilted_plate_takes_up_what_it_covers_of_the_beam() {
+fn a_tilted_plate_receives_the_flux_it_intercepts() {
     for angles in [[0.5, 0.35, 0.4], [0.17, 0.61, -0.79]] {
         let turn = Quat::from_euler(EulerRot::XYZ, angles[0], angles[1], angles[2]);
         let turned = |scene: SceneBuilder| scene.transformed(Mat4::from_quat(turn));
@@ -234,7 +234,7 @@ fn a_tilted_plate_takes_up_what_it_covers_of_the_beam() {
 /// (at edges of the plate and the room) can differ.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn a_closed_room_takes_up_all_of_a_lamps_flux() {
+fn a_closed_room_receives_a_lamps_whole_flux() {
     for has_plate in [false, true] {
         for offset in [Vec3::ZERO, Vec3::splat(0.5)] {
             let lamp = lamp(Vec3::new(0.45, 0.55, 0.4));
@@ -248,7 +248,7 @@ fn a_closed_room_takes_up_all_of_a_lamps_flux() {
 /// A spot light's flux: 2 pi times the integral of its falloff over the cosine, (1 - inner) +
 /// (inner - outer) / 3.
 #[test]
-fn a_closed_room_takes_up_all_of_a_spot_lights_flux() {
+fn a_closed_room_receives_a_spot_lights_whole_flux() {
     let (inner, outer) = (0.25_f32.cos(), 0.6_f32.cos());
     let expected = TAU * ((1.0 - inner) + (inner - outer) / 3.0);
     for has_plate in [false, true] {
@@ -260,7 +260,7 @@ fn a_closed_room_takes_up_all_of_a_spot_lights_flux() {
 /// Far out in a wide cone, where it has faded to less than a hundredth, a texel brings a few counts
 /// and parts of one. These add up: texels of a quarter of the edge bring as much.
 #[test]
-fn parts_of_a_count_add_up() {
+fn fractional_photon_counts_add_up() {
     let position = Vec3::new(0.5, 0.35, 0.45);
     let source = LightSource::Spot {
         position,
@@ -289,7 +289,7 @@ fn parts_of_a_count_add_up() {
 
 /// The sun through an open roof: what the plate takes, the floor does not get.
 #[test]
-fn what_a_blocker_takes_is_missing_below_it() {
+fn flux_on_a_blocker_is_missing_below_it() {
     let plate = SurfaceMaterial { double_sided: true, ..white() };
     let corner = Vec3::new(0.3, 0.25, 0.35);
     let scene = floor().quad(corner, Vec3::Z * 0.3, Vec3::X * 0.4, plate);
@@ -312,7 +312,7 @@ fn what_a_blocker_takes_is_missing_below_it() {
 /// face of a voxel's size is seen by n texels along an edge, so that it scatters by up to 1 / n
 /// along each.
 #[test]
-fn faces_get_what_the_direct_evaluation_gives_them() {
+fn photons_match_direct_evaluation_face_by_face() {
     let lamp_place = Vec3::new(0.45, 0.35, 0.4);
     let cases = [
         ("sun", sun(Vec3::new(0.3, -1.0, 0.2)), false),

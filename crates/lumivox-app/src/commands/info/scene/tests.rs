@@ -27,7 +27,7 @@ fn builtin_scenes_are_described() {
 }
 
 #[test]
-fn textures_tell_what_they_are_for() {
+fn info_lists_the_roles_of_each_texture() {
     let mut scene = lumivox_scene::builtin::scene("cornell").unwrap();
     let texture = Texture {
         name: "weave".to_owned(),
@@ -50,7 +50,7 @@ fn textures_tell_what_they_are_for() {
 }
 
 #[test]
-fn long_lists_are_cut_for_people_alone() {
+fn long_lists_are_shortened_in_text_but_not_json() {
     let mut scene = lumivox_scene::builtin::scene("cornell").unwrap();
     let first = scene.materials[0].clone();
     scene.materials.extend((0..100).map(|i| Material { name: format!("m{i}"), ..first.clone() }));

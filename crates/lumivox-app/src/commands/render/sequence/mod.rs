@@ -254,7 +254,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn half_of_the_values_are_below_the_median() {
+    fn median_of_odd_even_and_empty_lists() {
         assert_eq!(median(vec![3.0, -9.0, 1.0, 7.0, 2.0]), 2.0);
         assert_eq!(median(vec![5.0, 4.0]), 5.0);
         assert_eq!(median(Vec::new()), 0.0);

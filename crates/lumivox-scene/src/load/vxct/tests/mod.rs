@@ -73,7 +73,7 @@ fn a_model_has_defaults() {
 }
 
 #[test]
-fn the_grid_is_the_cube_and_the_cameras_are_the_programs() {
+fn vxct_scenes_get_the_unit_cube_and_vxct_cameras() {
     let (scene, _) = cube("scale = 0.1");
     assert_eq!(scene.grid_bounds, Some(Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE }));
     assert_eq!(scene.voxel_bounds(), scene.grid_bounds.unwrap());
@@ -86,7 +86,7 @@ fn the_grid_is_the_cube_and_the_cameras_are_the_programs() {
 }
 
 #[test]
-fn a_light_has_defaults_and_is_a_lamp_of_pi_at_a_metre() {
+fn lights_have_defaults_and_vxct_intensity() {
     let (scene, warnings) = body(
         "light { } light { position { x = 1f y = -2.5f, z = 3 } color { r = 2 g = 0.5 b = 0 } att_constant = 0 att_linear = 0 att_quadratic = 4 }",
     );
@@ -132,7 +132,7 @@ fn the_matrix_is_t_rx_ry_rz_s_sxyz() {
 }
 
 #[test]
-fn what_mirrors_is_turned_round() {
+fn mirrored_models_get_flipped_winding() {
     let (scene, warnings) = body(
         "model { primitive = cube } model { primitive = cube scale_x = -1 } \
          model { primitive = cube scale = -1 }",
@@ -145,7 +145,7 @@ fn what_mirrors_is_turned_round() {
 }
 
 #[test]
-fn true_is_true_and_all_else_is_false() {
+fn only_the_word_true_counts_as_true() {
     let marks = |text: &str| {
         let (scene, warnings) = cube(text);
         let cube = &scene.instances[0];
@@ -214,7 +214,7 @@ fn a_missing_component_takes_its_first_siblings_value() {
 }
 
 #[test]
-fn of_two_the_first_counts() {
+fn of_duplicate_entries_the_first_counts() {
     let (scene, warnings) =
         cube("name = a name = b scale = 2 scale = x position { x = 1 x = 2 y = 0 z = 0 }");
     assert_eq!(scene.instances[0].name, "a");
@@ -244,7 +244,7 @@ fn another_scene_can_be_asked_for() {
 }
 
 #[test]
-fn unknown_names_are_passed_over_and_told() {
+fn unknown_names_are_ignored_with_a_warning() {
     let (scene, warnings) = cube("colour { r = 1 }");
     assert_eq!(scene.instances.len(), 1);
     assert_eq!(
@@ -265,7 +265,7 @@ fn unknown_names_are_passed_over_and_told() {
 }
 
 #[test]
-fn blocks_and_values_are_told_apart() {
+fn a_block_in_place_of_a_value_is_refused() {
     for (text, message) in [
         ("scene = a", "1:9: found \"a\", expected a block: `scene { model { } light { } }`"),
         (
@@ -309,7 +309,7 @@ fn an_empty_file_is_an_empty_scene() {
 }
 
 #[test]
-fn a_text_without_a_scene_is_none() {
+fn text_without_a_scene_block_is_refused() {
     assert_eq!(
         load_from("notes.txt", "\nDear diary, = it", &[]).unwrap_err().to_string(),
         "notes.txt:2:1: found \"Dear\" and no scene after it, expected `scene {`"
@@ -318,7 +318,7 @@ fn a_text_without_a_scene_is_none() {
 }
 
 #[test]
-fn shaders_decide_what_a_surface_does() {
+fn the_shader_name_selects_the_material() {
     let shown = |shader: &str| {
         let (scene, warnings) =
             cube(&format!("shader = {shader} material {{ color {{ r = 0.5 g = 0.25 b = 2 }} }}"));
@@ -343,7 +343,7 @@ fn shaders_decide_what_a_surface_does() {
 }
 
 #[test]
-fn strengths_become_reflectances() {
+fn vxct_strengths_are_converted_to_reflectances() {
     let (scene, warnings) = cube(
         "material { shininess = 8 specular_str = 0.25 diffuse_str = 0.5 ambient_str = 0.1 \
          color { r = 1 g = 0.5 b = 0 } }",
@@ -387,7 +387,7 @@ fn impossible_lights_are_repaired() {
 }
 
 #[test]
-fn a_scale_of_nothing_hides_and_immense_numbers_are_errors() {
+fn zero_scale_drops_a_model_and_overflow_is_refused() {
     let (scene, warnings) = cube("scale_y = 0 scale_x = 0");
     assert_eq!(scene.instances.len(), 0);
     assert!(warnings[0].contains("scales two axes or more to zero"), "{warnings:?}");
@@ -400,7 +400,7 @@ fn a_scale_of_nothing_hides_and_immense_numbers_are_errors() {
 }
 
 #[test]
-fn bytes_of_no_text_are_read_as_latin_1() {
+fn non_utf8_bytes_are_read_as_latin_1() {
     let text = b"scene { model { name = B\xfccher primitive = cube } }";
     let scene = Scene::from_memory("a.vxct", text, &mut LoadOptions::default()).unwrap();
     assert_eq!(scene.instances[0].name, "Bücher");
@@ -409,7 +409,7 @@ fn bytes_of_no_text_are_read_as_latin_1() {
 }
 
 #[test]
-fn large_and_hostile_texts_end() {
+fn large_and_hostile_texts_are_bounded() {
     let load = |text: &[u8]| Scene::from_memory("a.txt", text, &mut LoadOptions::default());
     let braces = vec![b'{'; 10 << 20];
     assert!(load(&braces).unwrap_err().to_string().len() < 300);

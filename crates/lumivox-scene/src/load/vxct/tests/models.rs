@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn of_an_obj_the_first_mesh_counts_in_one_colour() {
+fn only_the_first_mesh_of_an_obj_is_used() {
     let (scene, warnings) =
         body("model { name = tri path = models/tri.obj } model { path = models/tri.obj }");
     assert_eq!((scene.meshes.len(), scene.instances.len(), scene.triangle_count()), (1, 2, 2));
@@ -18,7 +18,7 @@ fn of_an_obj_the_first_mesh_counts_in_one_colour() {
 }
 
 #[test]
-fn models_are_looked_for_where_vxct_and_others_do() {
+fn models_are_searched_in_vxct_and_common_folders() {
     let found = |name: &str, path: &str, file: &str| {
         let text = format!("scene {{ model {{ path = {path} }} }}");
         load_from(name, &text, &[file]).unwrap().instances.len() == 1
@@ -43,7 +43,7 @@ fn models_are_looked_for_where_vxct_and_others_do() {
 }
 
 #[test]
-fn of_two_places_the_programs_own_goes_first() {
+fn vxcts_own_model_folder_takes_precedence() {
     let files = HashMap::from([
         ("models/tri.obj".to_owned(), OBJ.to_vec()),
         ("scenes/models/tri.obj".to_owned(), b"v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n".to_vec()),
@@ -55,7 +55,7 @@ fn of_two_places_the_programs_own_goes_first() {
 }
 
 #[test]
-fn what_has_no_mesh_is_left_out_and_told() {
+fn models_without_a_mesh_are_skipped_with_a_warning() {
     let (scene, warnings) = body(
         "model { name = a path = gone.obj primitive = cube } model { name = b primitive = sphere } \
          model { name = c } model { primitive = cube } model { path = models/tri.png }",

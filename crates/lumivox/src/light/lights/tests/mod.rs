@@ -50,7 +50,7 @@ fn point(x: f32, shadow: Shadow) -> Light {
 }
 
 #[test]
-fn updated_lights_are_as_those_bound_anew() {
+fn updated_lights_equal_freshly_bound_ones() {
     let mut lab = Lab::new(None);
     let sets: [(Vec<Light>, Vec3); 5] = [
         (vec![point(0.2, Shadow::Cone)], Vec3::ZERO),
@@ -144,7 +144,7 @@ fn shadow_maps_of_another_layout_give_the_same_bits() {
 /// The caller's own maps, which cover one half of the room: the other half has the shadows of
 /// cones.
 #[test]
-fn cones_answer_where_maps_do_not_reach() {
+fn cone_shadows_fill_in_beyond_shadow_maps() {
     let module = "
         import package::light::lights::Light;
 

@@ -116,7 +116,7 @@ fn bounces_agree_with_the_dense_volume() {
 }
 
 #[test]
-fn another_list_leaves_nothing_of_the_last_one() {
+fn revoxelizing_leaves_nothing_of_the_former_octree() {
     let gpu = device();
     let geometry = turned_room(&gpu.0);
     let config = config(VolumeKind::Octree, Directionality::SixLobes);
@@ -134,7 +134,7 @@ fn another_list_leaves_nothing_of_the_last_one() {
 }
 
 #[test]
-fn what_exceeds_a_budget_is_refused_with_numbers() {
+fn volumes_beyond_the_memory_budget_are_refused() {
     let gpu = device();
     let geometry = turned_room(&gpu.0);
     for volume in [VolumeKind::Dense, VolumeKind::Octree] {
@@ -151,7 +151,7 @@ fn what_exceeds_a_budget_is_refused_with_numbers() {
 }
 
 #[test]
-fn after_an_error_the_earlier_voxels_are_still_there() {
+fn a_failed_revoxelization_keeps_the_earlier_voxels() {
     let gpu = device();
     let small = SceneBuilder::default()
         .quad(Vec3::splat(0.3), Vec3::X * 0.2, Vec3::Y * 0.2, lambert(0.5, 1.0))

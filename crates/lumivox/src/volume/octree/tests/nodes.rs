@@ -29,28 +29,28 @@ fn assert_defined(gpu: &(Pipelines, wgpu::Queue), grid: Grid, geometry: &Geometr
 }
 
 #[test]
-fn a_turned_room_in_a_grid_that_is_no_cube() {
+fn nodes_match_their_definition_for_a_turned_room() {
     let gpu = device();
     let geometry = turned_room(&gpu.0);
     assert_defined(&gpu, odd_grid(), &geometry);
 }
 
 #[test]
-fn one_triangle() {
+fn nodes_match_their_definition_for_one_triangle() {
     let gpu = device();
     let (grid, geometry) = speck(&gpu.0);
     assert_defined(&gpu, grid, &geometry);
 }
 
 #[test]
-fn all_triangles_in_one_voxel() {
+fn nodes_match_their_definition_for_a_crowded_voxel() {
     let gpu = device();
     let (grid, geometry) = crowded_voxel(&gpu.0);
     assert_defined(&gpu, grid, &geometry);
 }
 
 #[test]
-fn a_full_grid() {
+fn nodes_match_their_definition_for_a_full_grid() {
     let gpu = device();
     let (grid, geometry) = full_grid(&gpu.0);
     let gi = assert_defined(&gpu, grid, &geometry);
@@ -59,7 +59,7 @@ fn a_full_grid() {
 }
 
 #[test]
-fn expected_nodes_of_one_cell_are_eight_a_level_at_most() {
+fn one_cell_has_at_most_eight_nodes_per_level() {
     let gpu = device();
     let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 64, Vec3::ZERO).expect("fits");
     let corner = grid.world_from_grid(UVec3::splat(32).as_vec3() + 0.4);

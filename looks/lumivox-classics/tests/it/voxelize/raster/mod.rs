@@ -65,7 +65,7 @@ fn dominant(t: &Triangle) -> Vec<usize> {
 }
 #[test]
 #[ignore = "slow: over three seconds"]
-fn orders_give_the_same_bits() {
+fn triangle_order_does_not_change_the_bits() {
     let grid = unit_grid(32);
     let material = SurfaceMaterial { double_sided: true, ..Default::default() };
     for method in RASTER {
@@ -84,7 +84,7 @@ fn orders_give_the_same_bits() {
     }
 }
 #[test]
-fn what_cannot_be_drawn_is_counted() {
+fn triangles_that_cannot_be_drawn_are_counted() {
     let good = [Vec3::splat(3.2), Vec3::new(8.0, 3.0, 4.0), Vec3::new(4.0, 9.0, 3.0)];
     let triangles = [
         good,
@@ -113,7 +113,7 @@ fn a_panel_hides_the_wall_behind_it() {
 
 /// Pipelines that draw are compiled ahead and found again like all others.
 #[test]
-fn pipelines_that_draw_are_compiled_and_counted() {
+fn render_pipelines_are_compiled_ahead_and_counted() {
     let (device, queue) = crate::common::device();
     let pipelines = Pipelines::new(&device);
     let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 16, Vec3::ZERO).expect("a grid");

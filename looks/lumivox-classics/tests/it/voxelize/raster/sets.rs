@@ -78,7 +78,7 @@ fn is_between(found: &Cells, certain: &Cells, possible: &Cells) {
 }
 #[test]
 #[ignore = "slow: over three seconds"]
-fn centres_of_pixels_decide() {
+fn voxels_are_set_by_covered_pixel_centres() {
     let grid = unit_grid(64);
     let triangles = triangles_of_all_sizes();
     for method in [Some(Raster::DominantAxis), Some(Raster::ThreePlane)] {
@@ -95,7 +95,7 @@ fn centres_of_pixels_decide() {
 /// The dominant axis finds a part of the exact set, and three planes find that part and more.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn centres_are_a_part_of_the_exact_set() {
+fn sampled_voxels_are_a_subset_of_the_exact_set() {
     let grid = unit_grid(64);
     let triangles = triangles_of_all_sizes();
     let [exact, dominant, three] = [EXACT, Some(Raster::DominantAxis), Some(Raster::ThreePlane)]
@@ -149,7 +149,7 @@ fn conservative_is_as_defined(
 }
 #[test]
 #[ignore = "slow: over three seconds"]
-fn conservative_misses_nothing() {
+fn conservative_rasterization_misses_no_voxel() {
     let triangles = triangles_of_all_sizes();
     let (found, exact) = conservative_is_as_defined(&unit_grid(64), &triangles, EPSILON, dominant);
     assert!(found > exact && found < 2 * exact, "{found} of {exact}");
@@ -189,7 +189,7 @@ fn conservative_finds_huge_triangles() {
 }
 /// A grid that is longer along one axis than along the others, and every axis once.
 #[test]
-fn the_picture_holds_every_axis() {
+fn the_raster_target_covers_the_longest_grid_axis() {
     for axis in 0..3 {
         let turned = |p: [f32; 3]| Vec3::from_array(std::array::from_fn(|i| p[(i + axis) % 3]));
         let mut dimensions = UVec3::splat(16);

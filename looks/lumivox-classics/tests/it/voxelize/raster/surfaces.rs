@@ -21,7 +21,7 @@ const BLUE: Vec3 = Vec3::new(0.15, 0.3, 0.8);
 /// A tilted plane, one half red and one half blue: each voxel has the colour of its side, both have
 /// the same area, and the area is that of the plane.
 #[test]
-fn a_plane_of_two_colours() {
+fn a_two_coloured_plane_keeps_colours_and_area() {
     let p = Vec3::new;
     let at = |u: f32, v: f32| p(8.0, 9.0, 20.0) + u * p(44.0, 5.0, 18.0) + v * p(-4.0, 42.0, 11.0);
     let mut mesh = Mesh::default();
@@ -119,7 +119,7 @@ fn conservative_shares_are_exact_within_a_plane() {
 /// others.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn small_triangles_keep_their_area_in_the_mean() {
+fn small_triangles_keep_their_area_on_average() {
     let grid = Grid::fit(Vec3::NEG_ONE, Vec3::ONE, 64, Vec3::ZERO).unwrap();
     let along_of = |method| {
         let lab = lab(method);
@@ -141,7 +141,7 @@ fn small_triangles_keep_their_area_in_the_mean() {
 /// sampled points. These weigh accordingly more: over many triangles the area is kept.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn lonely_triangles_keep_their_area_in_the_mean() {
+fn isolated_triangles_keep_their_area_on_average() {
     let mut random = Random(15);
     let triangles: Vec<_> = (0..20 * 20 * 20)
         .map(|i| {
@@ -165,7 +165,7 @@ fn lonely_triangles_keep_their_area_in_the_mean() {
 /// A hundred thousand fragments in one voxel: a quarter of them red, and not one is lost.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn crowded_voxels_average() {
+fn crowded_voxels_average_all_their_fragments() {
     const COUNT: u32 = 100_000;
     let triangles: Vec<_> = (0..COUNT)
         .map(|i| {
@@ -202,7 +202,7 @@ fn crowded_voxels_average() {
 /// Textures, holes and colours on a wall whose pixels are whole voxels: as of the exact method.
 #[test]
 #[ignore = "slow: over three seconds"]
-fn surfaces_are_those_of_the_exact_method() {
+fn rastered_surfaces_match_the_exact_method() {
     use crate::voxelize::textures::{columns, texture, textured, wall};
     let material = |lab: &Lab, alpha_is_coverage, transmission| {
         let shade = |x: u32, y: u32| [(x * 30) as u8, 200, 30, (255 - y * 30) as u8];
