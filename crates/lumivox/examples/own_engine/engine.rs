@@ -34,7 +34,7 @@ pub struct Engine {
 
 impl Engine {
     /// Uploads the scene. `format` is that of the targets of [`Self::frame`], `size` their pixels.
-    pub async fn new(
+    pub fn new(
         device: wgpu::Device,
         queue: wgpu::Queue,
         format: wgpu::TextureFormat,
@@ -131,7 +131,7 @@ fn target(
     size: UVec2,
 ) -> (wgpu::TextureView, BindGroup) {
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
-    let picture = texture(device, size, PICTURE, usage).create_view(&Default::default());
+    let picture = texture(device, size, PICTURE, usage);
     let group =
         BindGroupBuilder::new(layout).view(view.irradiance()).view(&picture).build(device, "shade");
     (picture, group)

@@ -60,7 +60,7 @@ impl Running {
         let mut config = config.ok_or("the adapter cannot show pictures in this window")?;
         config.format = config.format.add_srgb_suffix();
         surface.configure(&device, &config);
-        let engine = Engine::new(device, queue, config.format, size).await?;
+        let engine = Engine::new(device, queue, config.format, size)?;
         let start = Instant::now();
         Ok(Self { window, surface, config, engine, start, shown: (start, 0) })
     }

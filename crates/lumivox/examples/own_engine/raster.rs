@@ -179,7 +179,7 @@ impl Raster {
 /// The depth and the colours.
 fn targets(device: &wgpu::Device, size: UVec2) -> (wgpu::TextureView, [wgpu::TextureView; 4]) {
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
-    let target = |format| texture(device, size, format, usage).create_view(&Default::default());
+    let target = |format| texture(device, size, format, usage);
     (target(wgpu::TextureFormat::Depth32Float), FORMATS.map(target))
 }
 
@@ -188,8 +188,8 @@ pub fn texture(
     size: UVec2,
     format: wgpu::TextureFormat,
     usage: wgpu::TextureUsages,
-) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
+) -> wgpu::TextureView {
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("engine"),
         size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
         mip_level_count: 1,
@@ -198,7 +198,8 @@ pub fn texture(
         format,
         usage,
         view_formats: &[],
-    })
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 fn pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {
