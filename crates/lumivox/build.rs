@@ -6,12 +6,15 @@ fn main() {
     // The slots whose implementations are chosen at run time (`src/volume/mod.rs`).
     let slots = [
         // `src/cones/mod.rs`.
-        Slot { path: "cones::way", implementations: &["cones::exact", "cones::march"] },
+        Slot { path: "cones::trace_method", implementations: &["cones::exact", "cones::march"] },
         Slot {
-            path: "light::way",
+            path: "light::gather_method",
             implementations: &["light::gather_rays", "light::gather_cones"],
         },
-        Slot { path: "trace::way", implementations: &["trace::near_and_far", "trace::by_cones"] },
+        Slot {
+            path: "trace::gather_method",
+            implementations: &["trace::near_and_far", "trace::by_cones"],
+        },
         Slot { path: "volume", implementations: &["volume::six_lobes", "volume::isotropic"] },
         Slot {
             path: "volume::cells",

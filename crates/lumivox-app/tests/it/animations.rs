@@ -167,7 +167,7 @@ fn a_file_pattern_or_open_time_range_plays_everything() {
 }
 
 #[test]
-fn unknown_parts_list_the_known_ones() {
+fn bad_animation_options_name_the_choices() {
     let folder = moving();
     let path = folder.path();
     for (options, needles) in [

@@ -1,7 +1,7 @@
 // One cone: its parameters and its result. Lengths here are in the finest voxels.
 //
-// How it is traced is the module package::cones::way, with `cone_start` and `trace_cone`: exact
-// hits (exact.wgsl), or a march through the volume for a caller's own model (march.wgsl).
+// The module package::cones::trace_method traces it, with `cone_start` and `trace_cone`: exact hits
+// (exact.wgsl), or a march through the volume for a caller's own model (march.wgsl).
 
 // Settings of cones; `TraceSettings` in shader layout.
 struct ConeSettings {

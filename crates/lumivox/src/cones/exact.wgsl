@@ -1,5 +1,5 @@
-// One cone as a ray: the module package::cones::way. Callers draw ray directions from the cone's
-// solid angle, so that the mean of many rays is the mean over the cone.
+// One cone as a ray: the module package::cones::trace_method. Callers draw ray directions from the
+// cone's solid angle, so that the mean of many rays is the mean over the cone.
 
 import package::cascades::{outer_high, outer_low};
 import package::cones::cone::{Cone, ConeSettings, MIN_GROWTH, OUTSIDE, START, Traced};

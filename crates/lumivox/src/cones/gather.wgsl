@@ -4,7 +4,7 @@
 import package::constants::PI;
 import package::environment::environment_radiance;
 import package::cones::cone::{Cone, ConeSettings};
-import package::cones::way::{cone_growth, cone_start, trace_cone};
+import package::cones::trace_method::{cone_growth, cone_start, trace_cone};
 import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
 import package::cones::model::place_in_cell;
 

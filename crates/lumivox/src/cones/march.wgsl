@@ -1,5 +1,5 @@
-// One cone, marched through the volume: the module package::cones::way for a caller's own model.
-// Lengths here are in the finest voxels.
+// One cone, marched through the volume: the module package::cones::trace_method for a caller's own
+// model. Lengths here are in the finest voxels.
 //
 // The step size is the size of the cells that the cone reads: at distance t, about v = max(1,
 // growth * t). Levels are powers of two, so the level is chosen at random: each cone rounds log2(v)

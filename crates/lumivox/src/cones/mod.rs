@@ -30,16 +30,16 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library.constant_f32("SURPLUS", SURPLUS).constant_f32("LEAST_SURPLUS", LEAST_SURPLUS);
 }
 
-/// Mounts the tracing method of cones as `package::cones::way`, of faces as `package::light::way`,
-/// and of pixels as `package::trace::way`: a march, or exact hits.
+/// Mounts the methods, a march or exact hits: of cones as `package::cones::trace_method`, of faces
+/// as `package::light::gather_method`, and of pixels as `package::trace::gather_method`.
 pub(crate) fn mount(shaders: &mut ShaderLibrary, marches: bool) {
-    let ways = if marches {
+    let methods = if marches {
         ["cones::march", "light::gather_cones", "trace::by_cones"]
     } else {
         ["cones::exact", "light::gather_rays", "trace::near_and_far"]
     };
-    for way in ways {
-        shaders.fill(crate::gpu::implementation(way));
+    for method in methods {
+        shaders.fill(crate::gpu::implementation(method));
     }
 }
 

@@ -29,7 +29,7 @@ struct ConeIn {
 const CONES_WGSL: &str = "
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::cones::cone::{Cone, ConeSettings};
-import package::cones::way::trace_cone;
+import package::cones::trace_method::trace_cone;
 struct ConeIn { origin: vec3f, growth: f32, direction: vec3f, reach: f32, level_offset: f32 }
 @group(1) @binding(0) var<storage, read> cones: array<ConeIn>;
 @group(1) @binding(1) var<storage, read_write> traced: array<vec4f>;

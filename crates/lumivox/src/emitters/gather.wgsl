@@ -7,7 +7,7 @@
 
 import package::cascades::finest_level;
 import package::cones::cone::{Cone, ConeSettings, START, Traced};
-import package::cones::way::{cone_start, trace_cone};
+import package::cones::trace_method::{cone_start, trace_cone};
 import package::constants::SAMPLES_EMITTERS;
 import package::emitters::draw::{draw_emitter, emitters, point_of, Drawn, EmitterPoint};
 import package::emitters::emitter::{distance_to, emitter_of, NEIGHBOURS, strength};

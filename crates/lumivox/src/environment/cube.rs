@@ -64,7 +64,7 @@ impl Panorama<'_> {
     }
 }
 
-/// The panorama reduced to at most this width, by means over solid angles; `None` if it is already
+/// The panorama reduced to at most this width, averaged by solid angle; `None` if it is already
 /// small enough.
 pub(super) fn reduced(panorama: Panorama<'_>, most: u32) -> Option<Image> {
     let mut image: Option<Image> = None;

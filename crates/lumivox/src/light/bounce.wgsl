@@ -7,7 +7,7 @@ import package::gpu::dispatch::linear_index;
 import package::light::turn::{
     counts, face_in_turn, faces, first_fresh, from_emitters, irradiance, is_fresh, settings,
 };
-import package::light::way::gathered_at;
+import package::light::gather_method::gathered_at;
 import package::voxels::morton::morton_decode;
 
 fn gather_at(index: u32) {

@@ -4,7 +4,7 @@
 import package::cascades::cascade_of;
 import package::cones::hemisphere::{basis, cell_cone};
 import package::cones::ray::shown_by;
-import package::cones::way::cone_growth;
+import package::cones::trace_method::cone_growth;
 import package::constants::{HIDDEN, HIT_WORDS, LINEAR_WORKGROUP_SIZE};
 import package::environment::environment_radiance;
 import package::gpu::dispatch::linear_index;

@@ -7,7 +7,7 @@
 import package::cascades::{cascade_of, voxel_of};
 import package::cones::hemisphere::{basis, cell_cone};
 import package::cones::ray::{trace_ray, Passed, Ray};
-import package::cones::way::cone_start;
+import package::cones::trace_method::cone_start;
 import package::constants::{HIDDEN, HIT_WORDS, LINEAR_WORKGROUP_SIZE, RAY_CLASSES};
 import package::gpu::dispatch::linear_index;
 import package::light::turn::{

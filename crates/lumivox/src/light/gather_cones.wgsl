@@ -1,4 +1,4 @@
-// The irradiance of a face by marched cones: the module package::light::way.
+// The irradiance of a face by marched cones: the module package::light::gather_method.
 
 import package::cones::gather::gather;
 import package::light::turn::{face_start, settings};

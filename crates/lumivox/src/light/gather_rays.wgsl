@@ -1,8 +1,9 @@
-// The irradiance of a face from the hits of its rays (find.wgsl): the module package::light::way.
+// The irradiance of a face from the hits of its rays (find.wgsl): the module
+// package::light::gather_method.
 
 import package::cones::hemisphere::{basis, cell_cone};
 import package::cones::ray::shown_by;
-import package::cones::way::cone_growth;
+import package::cones::trace_method::cone_growth;
 import package::constants::{HIDDEN, HIT_WORDS, PI};
 import package::environment::environment_radiance;
 import package::light::turn::{face_jitter, hits, settings, FACE_RAYS, HIT_OFFSET};

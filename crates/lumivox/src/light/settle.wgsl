@@ -1,4 +1,4 @@
-// Copies the light of faces of voxels that dynamic surface touches to their new place in the list.
+// Second of two steps: copies the light that move_light.wgsl has saved back into the list.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

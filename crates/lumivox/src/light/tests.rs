@@ -342,7 +342,7 @@ fn closed_room(high: Vec3, wall: f32, resolution: u32, offset: Vec3) -> Lit {
 /// is more than a window lets into a dark corner, while cones treated as open what coarse steps and
 /// cells leave open.
 #[test]
-fn no_sky_shines_into_a_closed_hall() {
+fn a_closed_hall_gets_less_than_a_hundredth_of_the_sky() {
     let high = Vec3::new(4.6, 3.3, 5.6);
     for step in 0..4 {
         let offset = Vec3::splat(step as f32 / 4.0);

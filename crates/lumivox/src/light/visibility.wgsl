@@ -3,7 +3,7 @@
 import package::cascades::finest_level;
 import package::constants::{SHADOW_MAP, SHADOW_NONE};
 import package::grid::{grid, grid_from_world};
-import package::cones::way::seen_share;
+import package::cones::trace_method::seen_share;
 import package::light::lights::{is_parallel, Incident, Light};
 import package::light::shadow_map::shadow_map_visibility;
 

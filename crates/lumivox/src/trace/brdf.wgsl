@@ -11,9 +11,9 @@ fn alpha_from_roughness(perceptual_roughness: f32) -> f32 {
     return max(perceptual_roughness * perceptual_roughness, MIN_ALPHA);
 }
 
-// Schlick 1994. The reflectance at grazing angles is 1. It falls to 0 only for surfaces that
-// reflect less than any real dielectric (2 %): Lagarde and de Rousiers 2014, section 3.1.3. So F0 =
-// 0 disables reflection.
+// Schlick 1994. The reflectance at grazing angles, f90, is 1, and fades to 0 with an F0 below 2 %,
+// less than any real dielectric (Lagarde and de Rousiers 2014, section 3.1.3): F0 = 0 disables
+// reflection.
 fn fresnel_schlick(f0: vec3f, cos_theta: f32) -> vec3f {
     let f90 = saturate(dot(f0, vec3f(50.0 * 0.33)));
     let rest = saturate(1.0 - cos_theta);

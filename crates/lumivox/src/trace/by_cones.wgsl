@@ -1,4 +1,4 @@
-// Irradiance at a surface by marched cones: the module package::trace::way.
+// Irradiance at a surface by marched cones: the module package::trace::gather_method.
 
 import package::cones::cone::ConeSettings;
 import package::cones::gather::{gather, Gathered};

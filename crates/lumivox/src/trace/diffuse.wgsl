@@ -5,7 +5,7 @@ import package::constants::LARGEST_HALF;
 import package::gpu::random::{hash, random_pair};
 import package::emitters::gather::gather_emitters;
 import package::trace::gbuffer::load_surface;
-import package::trace::way::gather_surface;
+import package::trace::gather_method::gather_surface;
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
 
 @group(1) @binding(1) var irradiance_out: texture_storage_2d<rgba16float, write>;

@@ -1,4 +1,4 @@
-// The G-buffer: group 3 of every pass over the screen, after the camera.
+// The G-buffer: group 3 of every pass over the screen; its binding 0 is the camera.
 //
 // A caller's own module (`GiConfig::gbuffer`) can replace it as `package::trace::gbuffer`, with its
 // own bindings from 1 on and the same three functions: load_surface, load_specular, load_motion.

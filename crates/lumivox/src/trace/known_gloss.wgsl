@@ -9,7 +9,7 @@ import package::emitters::emitter::strength;
 import package::trace::lobe::{draw_in_grid, wind, Drawn, Lobe, DRAWS, GRID};
 import package::trace::screen::{settings, share_in_mean};
 import package::trace::view::view;
-import package::trace::way::known_from;
+import package::trace::gather_method::known_from;
 
 // Frames of a mean that take known light.
 const KNOWN_FRAMES: u32 = 12u;

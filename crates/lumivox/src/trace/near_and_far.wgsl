@@ -1,4 +1,4 @@
-// Irradiance at a surface: the module package::trace::way.
+// Irradiance at a surface: the module package::trace::gather_method.
 //
 // Light from farther away than NEAR is known: the faces around have gathered it (light/far.wgsl,
 // light/share_far.wgsl), and it is summed over the hemisphere without sampling. Rays find nearer
@@ -9,7 +9,7 @@ import package::cones::cone::ConeSettings;
 import package::cones::gather::Gathered;
 import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
 import package::cones::ray::{shown_by, trace_ray, Passed, Ray};
-import package::cones::way::{cone_growth, cone_start};
+import package::cones::trace_method::{cone_growth, cone_start};
 import package::constants::{FAR_CELLS, PI};
 import package::environment::environment_radiance;
 import package::grid::grid_from_world;

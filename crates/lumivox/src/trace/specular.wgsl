@@ -20,7 +20,7 @@ import package::trace::brdf::{alpha_from_roughness, fresnel_schlick};
 import package::trace::coat::{below_coat, coat_fresnel, coat_of, Coat};
 import package::cascades::drawn_level;
 import package::cones::cone::Cone;
-import package::cones::way::{cone_growth, cone_start, trace_cone};
+import package::cones::trace_method::{cone_growth, cone_start, trace_cone};
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::cones::hemisphere::basis;
 import package::emitters::gather::{has_emitters, TURN_STEPS};
@@ -30,7 +30,7 @@ import package::trace::lobe_emitters::{expected_irradiance, reflect_emitters};
 import package::trace::surface::{Specular, Surface};
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
 import package::trace::view::view;
-import package::trace::way::{find_known, known_from};
+import package::trace::gather_method::{find_known, known_from};
 import package::volume::far_light::NEAR;
 
 @group(1) @binding(1) var diffuse_samples: texture_2d<f32>;

@@ -185,8 +185,8 @@ impl VolumeReport {
     }
 }
 
-/// The number of slabs along an axis: the nine parts of a cell with six lobes are in 3 x 3 slabs of
-/// one texture, 8 bytes each.
+/// Slabs along an axis of a texture: the nine parts of a cell with six lobes, 8 bytes each, are in
+/// 3 x 3 slabs.
 const SLABS: u64 = 3;
 
 /// The edges, in cells, of the levels of a cube's pyramid; the coarsest has at least four.

@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::SceneError;
 use crate::load::files::shorten;
 
-/// The unsupported version of a GLB container, if it has one.
+/// The version of a GLB container, if it is not 2.
 pub(super) fn of_container(bytes: &[u8]) -> Option<String> {
     let version = u32::from_le_bytes(*bytes.get(4..)?.first_chunk()?);
     // Version 1 of the container held glTF 1.0.

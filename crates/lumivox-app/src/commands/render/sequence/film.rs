@@ -11,7 +11,7 @@ use crate::commands::render::noise;
 use crate::progress::{ProgressDisplay, words};
 use crate::timeline::History;
 
-/// A renderer, and the pose of the scene that it shows.
+/// The renderer for all pictures of a sequence, with the pose that it last showed.
 #[derive(Debug, Default)]
 pub struct Film {
     shown: Option<(Renderer, Places)>,
