@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parent.parent
 DOCUMENTS = ("*.md", "docs/*.md", "docs/generated/*.md", "crates/*/README.md", "looks/*/README.md", "integrations/*/README.md")
 # The sources that a page measures: light and the scenes, without tests.
 LIGHT = ("crates/lumivox/src", "crates/lumivox-render/src", "crates/lumivox-scene/src/builtin", ":(exclude,glob)**/tests.rs")
-PAGES = {"bench": LIGHT, "quality": (*LIGHT, "crates/lumivox-scene/src/rooms"), "motion": LIGHT, "three": (*LIGHT, "crates/lumivox-three"), "gallery": LIGHT}
+PAGES = {"bench": LIGHT, "quality": (*LIGHT, "lab/lumivox-lab/src/rooms/random"), "motion": LIGHT, "three": (*LIGHT, "crates/lumivox-three"), "gallery": LIGHT}
 # The sources of the program, without what the pages' commands write there.
 SOURCES = ("crates", "lab", "looks", "Cargo.lock", ":(exclude)*/published.json", ":(exclude)*/gallery.html")
 

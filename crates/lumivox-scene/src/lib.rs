@@ -5,9 +5,8 @@
 //! candela. This crate has no GPU code; renderers upload its scenes.
 //!
 //! A [`Scene`] comes from [`Scene::load`] (a glTF, OBJ, PLY, STL or VXCT file), from
-//! [`builtin::scene`] (made in code, see [`builtin::names`]), from [`rooms::room`] (made at
-//! random), or from hand-filled fields followed by [`Scene::validate`]. In each case the same
-//! promises hold afterwards:
+//! [`builtin::scene`] (made in code, see [`builtin::names`]), or from hand-filled fields followed
+//! by [`Scene::validate`]. In each case the same promises hold afterwards:
 //!
 //! - every index points at something, every number is finite, no triangle has zero area;
 //! - triangles wind counter-clockwise seen from their front *after* the instance's transform, also
@@ -61,7 +60,6 @@ mod pick;
     allow(dead_code, unused_imports, reason = "only glTF has animations")
 )]
 mod pose;
-pub mod rooms;
 #[cfg(feature = "save")]
 mod save;
 mod validate;

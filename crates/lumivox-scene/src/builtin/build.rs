@@ -28,14 +28,14 @@ pub(super) fn diffuse(scene: &mut Scene, name: &str, albedo: Vec3) -> usize {
 }
 
 /// A dielectric with an index of refraction of 1.5.
-pub(crate) fn lacquer(scene: &mut Scene, name: &str, color: Vec3, roughness: f32) -> usize {
+pub fn lacquer(scene: &mut Scene, name: &str, color: Vec3, roughness: f32) -> usize {
     let paint = diffuse(scene, name, color);
     glaze(scene, paint, roughness);
     paint
 }
 
 /// Puts the gloss of a dielectric on a diffuse material.
-pub(crate) fn glaze(scene: &mut Scene, material: usize, roughness: f32) {
+pub fn glaze(scene: &mut Scene, material: usize, roughness: f32) {
     if let Shading::MetallicRoughness(shading) = &mut scene.materials[material].shading {
         *shading = MetallicRoughness {
             base_color: shading.base_color,
@@ -48,14 +48,14 @@ pub(crate) fn glaze(scene: &mut Scene, material: usize, roughness: f32) {
 }
 
 /// A material that emits this radiance, in cd/m², and reflects nothing.
-pub(crate) fn glowing(scene: &mut Scene, name: &str, radiance: Vec3) -> usize {
+pub fn glowing(scene: &mut Scene, name: &str, radiance: Vec3) -> usize {
     let mut black = Material::diffuse(name, Vec3::ZERO);
     black.emissive = radiance;
     material(scene, black)
 }
 
 /// A small round lamp without a body.
-pub(crate) fn point_light(scene: &mut Scene, name: &str, position: Vec3, intensity_cd: f32) {
+pub fn point_light(scene: &mut Scene, name: &str, position: Vec3, intensity_cd: f32) {
     scene.lights.push(Light {
         name: name.to_owned(),
         intensity: intensity_cd,
@@ -66,7 +66,7 @@ pub(crate) fn point_light(scene: &mut Scene, name: &str, position: Vec3, intensi
 }
 
 /// Places a mesh that is already in world space.
-pub(crate) fn place(scene: &mut Scene, name: &str, mesh: Mesh, material: usize) {
+pub fn place(scene: &mut Scene, name: &str, mesh: Mesh, material: usize) {
     place_at(scene, name, mesh, material, Mat4::IDENTITY);
 }
 
@@ -135,7 +135,7 @@ impl Lamp {
 
 /// A diffuse checkerboard: a repeating image of 2 x 2 texels of sRGB-encoded colours, so one unit
 /// of u covers two squares.
-pub(crate) fn checker(scene: &mut Scene, name: &str, colors: [[u8; 3]; 2]) -> usize {
+pub fn checker(scene: &mut Scene, name: &str, colors: [[u8; 3]; 2]) -> usize {
     let [a, b] = colors.map(|[r, g, b]| [r, g, b, 255]);
     scene.textures.push(Texture {
         name: name.to_owned(),
@@ -168,7 +168,7 @@ pub(super) fn tile(mut mesh: Mesh, times_u: f32, times_v: f32) -> Mesh {
 
 /// Hashes three numbers to a number from 0 to below 1 (Jarzynski and Olano 2020, "Hash functions
 /// for GPU rendering", PCG3D).
-pub(crate) fn chance(x: u32, y: u32, z: u32) -> f32 {
+pub fn chance(x: u32, y: u32, z: u32) -> f32 {
     let step = |v: u32| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
     let (mut x, mut y, mut z) = (step(x), step(y), step(z));
     for _ in 0..2 {
@@ -183,6 +183,6 @@ pub(crate) fn chance(x: u32, y: u32, z: u32) -> f32 {
 }
 
 /// Picks one of several things by a number from 0 to below 1.
-pub(crate) fn pick<T: Copy>(things: &[T], chance: f32) -> T {
+pub fn pick<T: Copy>(things: &[T], chance: f32) -> T {
     things[((chance * things.len() as f32) as usize).min(things.len() - 1)]
 }

@@ -2,7 +2,8 @@
 
 mod arcade;
 mod atrium;
-pub(crate) mod build;
+#[doc(hidden)]
+pub mod build;
 mod city;
 mod clutter;
 mod cornell;

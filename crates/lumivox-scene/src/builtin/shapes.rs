@@ -185,7 +185,7 @@ pub(crate) fn cylinder(base: Vec3, radius_m: f32, height_m: f32, segments: u32) 
 }
 
 /// Adds the triangles of `other`.
-pub(crate) fn append(mesh: &mut Mesh, other: Mesh) {
+pub fn append(mesh: &mut Mesh, other: Mesh) {
     let first = mesh.positions.len() as u32;
     mesh.positions.extend(other.positions);
     mesh.normals.extend(other.normals);

@@ -9,7 +9,8 @@ use lumivox_app::parts::{GpuArgs, physical_preset};
 use lumivox_console::values::choices::among;
 use lumivox_console::values::{number, size};
 use lumivox_render::PresetChoice;
-use lumivox_scene::rooms::Kind;
+
+use crate::rooms::random::Kind;
 
 /// Examples for the help.
 pub const EXAMPLES: &str = "\

@@ -7,11 +7,11 @@ use lumivox_app::parts::{Kept, ProgressDisplay, Truth, check_wish, settings};
 use lumivox_render::compare::{ErrorFigures, LinearPicture};
 use lumivox_render::{Gpu, PresetChoice, RenderProgress, RenderSettings, Renderer};
 use lumivox_scene::Scene;
-use lumivox_scene::rooms::{Kind, RoomLight};
 use serde::{Deserialize, Serialize};
 
 use crate::block_noise::{BLOCK, BlockNoise};
 use crate::cli::QualityArgs;
+use crate::rooms::random::{Kind, RoomLight};
 use crate::rooms::room_of;
 
 const PRESETS: [Preset; 2] = [Preset::Balanced, Preset::Realtime];

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use glam::UVec2;
 use lumivox_app::parts::{Kept, ProgressDisplay, check_wish, settings};
 use lumivox_render::{Gpu, PresetChoice};
-use lumivox_scene::rooms::Kind;
 
 use crate::cli::QualityArgs;
+use crate::rooms::random::Kind;
 use crate::rooms::{Meter, RoomFigures, at, by_group, faults, fresh_seed, heading, room_of, row};
 
 /// The sets of rooms: a value of `lumivox-lab rooms --kinds`, and the kinds.

@@ -1,9 +1,9 @@
 //! Median, 90 % and worst of many rooms, as tables in Markdown.
 
 use lumivox_console::report::counted;
-use lumivox_scene::rooms::{Kind, RoomLight};
 
 use super::RoomFigures;
+use super::random::{Kind, RoomLight};
 
 /// The groups of walls by thickness: a name, the least thickness, and the one it is below, m.
 const WALLS: [(&str, f32, f32); 4] = [

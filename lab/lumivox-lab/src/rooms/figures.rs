@@ -3,8 +3,9 @@
 use std::fmt;
 
 use lumivox_render::reference::Reading;
-use lumivox_scene::rooms::{Room, SKY_RADIANCE};
 use serde::{Deserialize, Serialize};
+
+use super::random::{Room, SKY_RADIANCE};
 
 /// A room is dark if the mean of its truth is below this share of the illuminance outside.
 const DARK_SHARE: f64 = 1e-3;

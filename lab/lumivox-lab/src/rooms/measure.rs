@@ -10,9 +10,9 @@ use lumivox_render::reference::{
     LightMeter, MeterSettings, PathTracer, ReferenceProgress, ReferenceSettings, Sensor,
 };
 use lumivox_render::{Gpu, RenderProgress, RenderSettings, Renderer, View};
-use lumivox_scene::rooms::Room;
 
 use super::RoomFigures;
+use super::random::Room;
 
 /// The most bounces of paths.
 const BOUNCES: u32 = 16;

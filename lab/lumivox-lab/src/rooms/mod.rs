@@ -2,6 +2,7 @@
 //!
 //! | file | is |
 //! | --- | --- |
+//! | `random/` | the rooms |
 //! | `measure.rs` | one room: its sensors and a picture by cones and by paths |
 //! | `figures.rs` | the figures of a room |
 //! | `distribution.rs` | median, 90 % and worst of many rooms, as tables in Markdown |
@@ -9,6 +10,7 @@
 mod distribution;
 mod figures;
 mod measure;
+pub mod random;
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -17,13 +19,13 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use lumivox_app::Host;
 use lumivox_app::parts::{ProgressDisplay, check_wish, output, settings};
 use lumivox_console::report::AdapterReport;
-use lumivox_scene::rooms::{Kind, Room, room};
 use serde::Serialize;
 
 use crate::cli::RoomsArgs;
 pub use distribution::{at, by_group, faults, heading, row};
 pub use figures::RoomFigures;
 pub use measure::Meter;
+use random::{Kind, Room, room};
 
 /// A fresh seed: the milliseconds of the clock, which wrap after 49 days.
 pub fn fresh_seed() -> u32 {

@@ -1,9 +1,9 @@
 //! The promises of rooms, checked by rays.
 
 use glam::Vec3;
+use lumivox_scene::{Picker, Scene};
 
 use super::{FEWEST_SENSORS, Kind, Room, RoomLight, room};
-use crate::{Picker, Scene};
 
 fn rooms(seeds: std::ops::Range<u32>) -> impl Iterator<Item = Room> {
     seeds.map(|seed| room(seed, Kind::ALL[seed as usize % Kind::ALL.len()]).unwrap())

@@ -22,11 +22,11 @@ mod kinds;
 mod tests;
 
 use glam::{Mat4, Vec3};
+use lumivox_scene::builtin::build::point_light;
+use lumivox_scene::{Camera, Environment, Picker, Scene, SceneError};
 
 use self::build::Build;
 use self::dice::Dice;
-use crate::builtin::build::point_light;
-use crate::{Camera, Environment, Picker, Scene, SceneError};
 
 /// The radiance of the sky, in cd/m².
 pub const SKY_RADIANCE: f32 = 1000.0;

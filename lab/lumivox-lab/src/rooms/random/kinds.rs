@@ -3,11 +3,11 @@
 use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
+use lumivox_scene::Mesh;
+use lumivox_scene::builtin::shapes::sphere;
 
 use super::Kind;
 use super::build::{Build, face};
-use crate::Mesh;
-use crate::builtin::shapes::sphere;
 
 /// Segments around a body of about four thousand triangles.
 const BODY_SEGMENTS: u32 = 64;

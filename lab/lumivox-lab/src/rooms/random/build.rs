@@ -5,12 +5,12 @@
 //! one material is one mesh.
 
 use glam::{Vec2, Vec3};
+use lumivox_scene::builtin::build::{checker, glaze, glowing, lacquer, place};
+use lumivox_scene::builtin::shapes::append;
+use lumivox_scene::{Mesh, Scene, Shading};
 
 use super::dice::Dice;
 use super::{EYES, FEWEST_SENSORS, Kind, RANDOM_SENSORS};
-use crate::builtin::build::{checker, glaze, glowing, lacquer, place};
-use crate::builtin::shapes::append;
-use crate::{Mesh, Scene, Shading};
 
 /// The distance of sensors from solids, m; rooms that are not plain also have random sensors.
 const SENSOR_GAP_M: f32 = 0.005;

@@ -1,8 +1,7 @@
 //! Random numbers from a seed.
 
 use glam::{DQuat, DVec4, Quat, Vec3};
-
-use crate::builtin::build::{chance, pick};
+use lumivox_scene::builtin::build::{chance, pick};
 
 /// A sequence of random numbers; each is the hash of the seed and of its number.
 pub(super) struct Dice {
