@@ -8,10 +8,8 @@
 use glam::Vec3;
 
 use super::directions;
-use super::rays::Rays;
+use super::rays::{Patch, Rays};
 use super::sight::{Note, three_digits};
-use super::soup::Unit;
-use super::survey::Patch;
 use crate::{Bounds, Light};
 
 /// Rays from each visible point.
@@ -114,7 +112,6 @@ pub struct Shade {
 pub(super) struct Seen<'a> {
     pub(super) patches: &'a [Patch],
     pub(super) rays: &'a Rays,
-    pub(super) unit: Unit,
 }
 
 impl Seen<'_> {
@@ -128,7 +125,8 @@ impl Seen<'_> {
                 cast += 1;
                 if let Some(hit) = self.rays.cast(patch.position, way) {
                     met += 1;
-                    near += i32::from(hit.distance * self.unit.scale_m < NEAR_VOXELS * voxel_m);
+                    near +=
+                        i32::from(hit.distance * self.rays.unit.scale_m < NEAR_VOXELS * voxel_m);
                 }
             }
         }
@@ -157,10 +155,10 @@ impl Seen<'_> {
         for light in lights.take(MOST_LIGHTS) {
             for Patch { position, normal, .. } in self.patches {
                 let distance = |above_m: f32, way: Vec3| {
-                    let above = *position + above_m / self.unit.scale_m * *normal;
-                    Some(self.rays.cast(above, way)?.distance * self.unit.scale_m)
+                    let above = *position + above_m / self.rays.unit.scale_m * *normal;
+                    Some(self.rays.cast(above, way)?.distance * self.rays.unit.scale_m)
                 };
-                let at = (self.unit.world_from_unit(*position), *normal);
+                let at = (self.rays.unit.world_from_unit(*position), *normal);
                 let Some(shade) = maps.shade(light, at, place, distance) else { continue };
                 shaded += 1;
                 if shade.is_lost {

@@ -4,7 +4,7 @@
 //! is viewed from inside, or through its opening if it lacks a wall; a thing (a helmet, a terrain)
 //! from outside, from the side that shows most of it. The scene's own light is measured where the
 //! view's rays hit; if it is not enough, lamps light a closed place, sun and sky an open one, and a
-//! studio everything else. All computation is in a [unit space](soup), so a scene in millimetres
+//! studio everything else. All computation is in a [unit space](rays), so a scene in millimetres
 //! gives the same result as one in kilometres.
 //!
 //! It takes about 300 000 rays and is deterministic.
@@ -12,37 +12,28 @@
 //! | file | has |
 //! | --- | --- |
 //! | `sight.rs` | the decision: [`Sight`], which every front end uses |
-//! | `soup.rs` | all triangles in unit space, simplified where there are more than a million |
-//! | `rays.rs` | what lies in a direction, at a bounded cost |
+//! | `rays.rs` | all triangles in unit space, and the first surface in a direction |
 //! | `survey.rs` | a place or a thing? |
-//! | `subject.rs` | what of it a view from outside is about |
 //! | `inside.rs`, `outside.rs` | the view of a place and of a thing |
-//! | `emission.rs`, `own_light.rs`, `shines.rs` | what the scene's own light does |
-//! | `sun.rs`, `lamps.rs`, `stage.rs` | default lights, and the ground of a studio |
+//! | `light.rs` | the scene's own light on what is seen |
+//! | `lights.rs`, `stage.rs` | default lights, and the ground of a studio |
 
 mod directions;
-mod emission;
 mod fineness;
 mod inside;
-mod lamps;
+mod light;
+mod lights;
 mod outside;
-mod own_light;
 mod rays;
-mod shines;
 mod sight;
-mod soup;
 mod stage;
-mod subject;
-mod sun;
 mod survey;
 
-use crate::{Camera, Light, Scene};
-use inside::Inside;
-use outside::Viewpoint;
-use own_light::Standpoint;
+use crate::{Camera, Scene};
+use inside::Spot;
+use light::Standpoint;
+use outside::Subject;
 use rays::Rays;
-use soup::{Soup, Unit};
-use subject::Subject;
 use survey::Survey;
 
 pub use fineness::{Fineness, Shade, ShadowMapFineness};
@@ -70,8 +61,6 @@ const LOOKS: usize = 96;
 /// For a million triangles it takes 1.3 s, 260 MB, and 130 MB afterwards; for ten million, which
 /// are simplified first, 1.9 s and 100 MB (debug build, one core of a busy machine).
 pub struct Framing {
-    unit: Unit,
-    soup: Soup,
     rays: Rays,
     survey: Survey,
 }
@@ -81,7 +70,7 @@ impl std::fmt::Debug for Framing {
         f.debug_struct("Framing")
             .field("is_place", &self.is_place())
             .field("is_enclosed", &self.is_enclosed())
-            .field("triangles", &self.soup.triangles.len())
+            .field("triangles", &self.rays.triangles.len())
             .finish_non_exhaustive()
     }
 }
@@ -89,21 +78,20 @@ impl std::fmt::Debug for Framing {
 impl Framing {
     /// Surveys a scene. A scene without triangles, which is invalid, counts as a thing.
     pub fn of(scene: &Scene) -> Self {
-        let unit = Unit::of(scene.bounds());
-        let (soup, rays) = Rays::of(scene, unit);
-        let survey = Survey::new(&rays, &soup, unit.half);
-        Self { unit, soup, rays, survey }
+        let rays = Rays::of(scene);
+        let survey = Survey::of(&rays);
+        Self { rays, survey }
     }
 
     /// Whether the scene is a place to stand in, such as a room or a hall (possibly with windows or
     /// an open roof), rather than a thing to look at from outside.
     pub fn is_place(&self) -> bool {
-        self.survey.is_place
+        self.survey.is_place()
     }
 
     /// Whether it is a place with hardly any gap to the outside: at most a small window.
     pub fn is_enclosed(&self) -> bool {
-        self.is_place() && self.survey.sky() < CLOSED
+        self.is_place() && self.survey.sky < CLOSED
     }
 
     /// The view that shows the scene best in a picture of that aspect (width over height): a place
@@ -113,39 +101,49 @@ impl Framing {
         self.chosen(aspect).0
     }
 
-    /// The default camera, with the reason for its choice.
-    fn chosen(&self, aspect: f32) -> (Camera, Chosen) {
+    /// The default camera, with the reason for its choice and the option that overrides it.
+    fn chosen(&self, aspect: f32) -> (Camera, (&'static str, &'static str)) {
         let aspect = sane(aspect);
+        let subject = Subject::of(&self.rays, self.is_place());
         if !self.is_place() {
-            let subject = Subject::of_thing(&self.soup);
-            let view = outside::view(&self.rays, &subject, aspect);
-            let chosen = if subject.is_part { Chosen::OnItsGround } else { Chosen::Outside };
-            return (self.place(&view), chosen);
+            let text = if subject.is_part {
+                "from outside, fitted to what stands on the ground"
+            } else {
+                "from outside, where most of it is seen"
+            };
+            return (self.place(subject.view(&self.rays, aspect)), (text, "--camera inside"));
         }
-        let subject = Subject::of_place(&self.soup);
-        let (through, share) = outside::into(&self.rays, &subject, &self.survey.patches, aspect);
-        match inside::view(&self.rays, &self.survey, aspect) {
-            Some(Inside { view, share: within }) if share < OPEN_FRONT && share <= within => {
-                (self.place(&view), Chosen::Inside)
+        let patches = &self.survey.patches;
+        let through = subject.view_into(&self.rays, patches, aspect);
+        let share = outside::share(&self.rays, patches, through.position);
+        match inside::view(&self.rays, &self.spots(), patches, aspect) {
+            Some((view, within)) if share < OPEN_FRONT && share <= within => {
+                let text = "from inside, where most of the place is seen";
+                (self.place(view), (text, "--camera outside"))
             }
-            _ => (self.place(&through), Chosen::Opening),
+            _ => {
+                let text = "from outside, through the side that is open";
+                (self.place(through), (text, "--camera inside"))
+            }
         }
+    }
+
+    /// The spots of a place for an eye or a lamp.
+    fn spots(&self) -> Vec<Spot> {
+        inside::spots(&self.rays, &self.survey.interior, &self.survey.patches)
     }
 
     /// A view of the whole scene from outside, with a vertical field of view of 45 degrees, as
     /// large as it fits into a picture of that aspect. It looks from where most of the surface is
     /// visible, and into a place through its opening.
     pub fn outside(&self, aspect: f32) -> Camera {
-        let aspect = sane(aspect);
-        if !self.is_place() {
-            return self.chosen(aspect).0;
+        let (rays, patches, aspect) = (&self.rays, &self.survey.patches, sane(aspect));
+        let subject = Subject::of(rays, self.is_place());
+        let through = subject.view_into(rays, patches, aspect);
+        if outside::share(rays, patches, through.position) >= OPENING {
+            return self.place(through);
         }
-        let subject = Subject::of_place(&self.soup);
-        let (view, share) = outside::into(&self.rays, &subject, &self.survey.patches, aspect);
-        if share >= OPENING {
-            return self.place(&view);
-        }
-        self.place(&outside::view(&self.rays, &subject, aspect))
+        self.place(subject.view(rays, aspect))
     }
 
     /// A view along a place, from the free spot that shows the most of it; for a hollow thing, such
@@ -154,14 +152,15 @@ impl Framing {
     /// The height of the eye over the floor follows from the free height and width: 1.6 m in a
     /// living room of 3 m, about a third of a hall.
     pub fn inside(&self, aspect: f32) -> Option<Camera> {
-        let survey = self.survey.seen_from_within(&self.rays);
-        let inside = inside::view(&self.rays, &survey, sane(aspect))?;
-        Some(self.place(&inside.view))
+        let (points, patches) = self.survey.within(&self.rays);
+        let spots = inside::spots(&self.rays, &points, &patches);
+        let (view, _) = inside::view(&self.rays, &spots, &patches, sane(aspect))?;
+        Some(self.place(view))
     }
 
     /// Whether a camera has surfaces nearly all around.
     fn surrounds(&self, camera: &Camera) -> bool {
-        let eye = self.unit.unit_from_world(camera.position);
+        let eye = self.rays.unit.unit_from_world(camera.position);
         let around = directions::sphere(LOOKS).filter(|&way| self.rays.cast(eye, way).is_some());
         around.count() as f32 >= AROUND * LOOKS as f32
     }
@@ -181,20 +180,15 @@ impl Framing {
         }
     }
 
-    fn lamps(&self) -> Vec<Light> {
-        lamps::lamps(&self.rays, &self.survey.interior)
-            .into_iter()
-            .map(|lamp| lamp.light(self.unit))
-            .collect()
-    }
-
-    fn place(&self, view: &Viewpoint) -> Camera {
+    /// A view in unit space as a camera in the world.
+    fn place(&self, view: Camera) -> Camera {
+        let unit = self.rays.unit;
         Camera {
             name: "framing".to_owned(),
-            near_m: (view.near * self.unit.scale_m).max(f32::MIN_POSITIVE),
+            near_m: (view.near_m * unit.scale_m).max(f32::MIN_POSITIVE),
             ..Camera::look_at(
-                self.unit.world_from_unit(view.position),
-                self.unit.world_from_unit(view.position + view.forward),
+                unit.world_from_unit(view.position),
+                unit.world_from_unit(view.position + view.forward),
                 view.vertical_fov_rad,
             )
         }
@@ -206,34 +200,10 @@ fn sane(aspect: f32) -> f32 {
     if aspect.is_finite() { aspect.clamp(0.05, 20.0) } else { 1.0 }
 }
 
-/// The reason for a camera's position.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Chosen {
-    /// A place from inside.
-    Inside,
-    /// A place through its open side.
-    Opening,
-    /// A thing.
-    Outside,
-    /// A thing without the ground or the dome around it.
-    OnItsGround,
-}
-
 impl Scene {
     /// A camera for a scene without one: see [`Framing::camera`].
     pub fn default_camera(&self, aspect: f32) -> Camera {
         Framing::of(self).camera(aspect)
-    }
-
-    /// Whether there is any light, however little: a lamp, an environment, or a surface in use that
-    /// emits, or if all surfaces are unlit.
-    pub fn shines(&self) -> bool {
-        shines::shines(self)
-    }
-
-    /// Whether the scene's own emission is its only light: there is no lamp, and no surroundings.
-    pub fn is_lit_by_emission_alone(&self) -> bool {
-        shines::by_emission_alone(self)
     }
 }
 

@@ -1,18 +1,21 @@
-//! The view of a thing: all of it from outside, as large as it fits.
+//! The view from outside: all of a scene, as large as it fits.
 //!
 //! The best of some eighty directions is the one that shows most of the surface: points all over it
 //! are tested, and each visible one counts by the root of the cosine at which it is seen. So a
-//! board is viewed along its thin axis, a cube from over a corner, a thing in front of a wall from
-//! the other side, and an open box through its opening.
+//! board is viewed along its thin axis, a thing in front of a wall from the other side, and an open
+//! box through its opening.
+//!
+//! A chair on a ground of a hundred metres, or under a dome of sky, would be a speck in a picture
+//! of everything. So connected pieces are separated; if a ground, or a dome seen from inside, makes
+//! the scene at least twice as large as the rest, the picture is fitted to the rest.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::{Mat3, Vec3};
+use rustc_hash::FxHashMap;
 
-use super::rays::Rays;
-use super::subject::Subject;
-use super::survey::Patch;
-use crate::Camera;
+use super::rays::{Patch, Rays, Triangle};
+use crate::{Bounds, Camera};
 
 /// The angle between the bottom and the top of the picture.
 const VERTICAL_FOV_RAD: f32 = FRAC_PI_4;
@@ -21,110 +24,109 @@ const FILL: f32 = 0.92;
 /// The usual side: the front (+z, as in glTF), a little from the right (+x) and from above.
 const AZIMUTH_RAD: f32 = 0.645;
 const ELEVATION_RAD: f32 = 0.412;
-/// Other elevations, and their penalties as a share of the greatest visibility.
-const ELEVATIONS_RAD: [(f32, f32); 5] =
-    [(ELEVATION_RAD, 0.0), (0.17, 0.05), (0.87, 0.1), (0.0, 0.05), (-ELEVATION_RAD, 0.2)];
-/// Elevations and penalties for a view into an opening, which is level.
-const LEVEL_RAD: [(f32, f32); 5] =
-    [(0.0, 0.0), (0.17, 0.12), (ELEVATION_RAD, 0.15), (0.87, 0.2), (-ELEVATION_RAD, 0.35)];
-/// Straight from above and from below.
-const VERTICALS_RAD: [(f32, f32); 2] = [(FRAC_PI_2, 0.35), (-FRAC_PI_2, 0.5)];
+/// Elevations, and their penalties as a share of the greatest visibility: for a thing, and for a
+/// view into an opening, which is level.
+const ELEVATIONS_RAD: [f32; 7] =
+    [ELEVATION_RAD, 0.17, 0.87, 0.0, -ELEVATION_RAD, FRAC_PI_2, -FRAC_PI_2];
+const THING: [f32; 7] = [0.0, 0.05, 0.1, 0.05, 0.2, 0.35, 0.5];
+const OPENING: [f32; 7] = [0.15, 0.12, 0.2, 0.0, 0.35, 0.35, 0.5];
 /// Azimuths around the usual one; the four along the axes are added.
 const AZIMUTHS: usize = 12;
 /// The penalty of the opposite side.
 const BEHIND: f32 = 0.1;
 /// A thing thinner along an axis than this share of its length is a board; views along that axis
-/// have this penalty.
+/// have this share of their penalty.
 const THIN: f32 = 0.05;
 const ALONG_THIN: f32 = 0.1;
+/// The number of points by which a view is judged.
+const POINTS: usize = 512;
 
-/// An eye in unit space.
-pub(super) struct Viewpoint {
-    pub(super) position: Vec3,
-    pub(super) forward: Vec3,
-    pub(super) vertical_fov_rad: f32,
-    pub(super) near: f32,
+/// The share of the scene that the rest must not exceed, and that a ground or a dome spans.
+const SMALL: f32 = 0.5;
+const SPANS: f32 = 0.6;
+/// The greatest thickness of a ground, and the least height of what stands on it, as shares of
+/// their widths. The parts of a circuit board are flat; the board belongs to them.
+const FLAT: f32 = 0.05;
+const STANDS: f32 = 0.2;
+/// The share of a dome's area that faces inwards, and no other side.
+const INWARD: f32 = 0.9;
+
+/// The subject of a view: the corners of its triangles, and points of its surface.
+pub(super) struct Subject {
+    corners: Vec<Vec3>,
+    pub(super) patches: Vec<Patch>,
+    /// Whether a ground or a dome was left out.
+    pub(super) is_part: bool,
 }
 
-/// A direction towards the eye, and its penalty.
-struct Candidate {
-    towards_eye: Vec3,
-    less: f32,
-}
-
-/// The view that shows most of a subject.
-pub(super) fn view(rays: &Rays, subject: &Subject, aspect: f32) -> Viewpoint {
-    let seen = |view: &Viewpoint| visible(rays, &subject.patches, view.position, f32::sqrt);
-    best(subject, &ELEVATIONS_RAD, aspect, seen)
-}
-
-/// The view from outside that shows most of a place, and the visible share of it.
-pub(super) fn into(
-    rays: &Rays,
-    subject: &Subject,
-    place: &[Patch],
-    aspect: f32,
-) -> (Viewpoint, f32) {
-    let seen = |view: &Viewpoint| share(rays, place, view.position);
-    let view = best(subject, &LEVEL_RAD, aspect, seen);
-    let share = seen(&view);
-    (view, share)
-}
-
-fn best(
-    subject: &Subject,
-    elevations_rad: &[(f32, f32); 5],
-    aspect: f32,
-    seen: impl Fn(&Viewpoint) -> f32,
-) -> Viewpoint {
-    // Fitted to the box first, which is fast; only the final view is fitted to all corners.
-    let corners = subject.bounds.corners();
-    let near_corners = if subject.bounds.is_empty() { &corners[..0] } else { &corners[..] };
-    let judged: Vec<(Candidate, f32)> = candidates(elevations_rad, subject.bounds.size())
-        .map(|candidate| {
-            let share = seen(&fit(near_corners, candidate.towards_eye, aspect));
-            (candidate, share)
-        })
-        .collect();
-    let most = judged.iter().map(|(_, share)| *share).fold(f32::MIN_POSITIVE, f32::max);
-    let mut best = (usual(), f32::NEG_INFINITY);
-    for (candidate, share) in &judged {
-        let worth = share / most - candidate.less;
-        // Strictly better: the first of equals wins.
-        if worth > best.1 {
-            best = (candidate.towards_eye, worth);
+impl Subject {
+    /// All of a place; a thing without a ground or dome that would make it a speck.
+    pub(super) fn of(rays: &Rays, is_place: bool) -> Self {
+        let mut meant: Vec<&Triangle> = rays.triangles.iter().collect();
+        if !is_place {
+            leave_out_surroundings(rays, &mut meant);
+        }
+        let mut patches = Vec::new();
+        for (triangle, _, mut patch) in rays.spread(&meant, POINTS) {
+            if triangle.is_double_sided() {
+                patch.weight *= 0.5;
+                patches.push(patch.other_side());
+            }
+            patches.push(patch);
+        }
+        Self {
+            corners: meant.iter().flat_map(|triangle| rays.corners(triangle)).collect(),
+            patches,
+            is_part: meant.len() < rays.triangles.len(),
         }
     }
-    fit(&subject.corners, best.0, aspect)
-}
 
-fn candidates(elevations_rad: &[(f32, f32); 5], size: Vec3) -> impl Iterator<Item = Candidate> {
-    let turns = (0..AZIMUTHS).map(|step| step as f32 / AZIMUTHS as f32 * 2.0);
-    let axes = [0.0, 0.5, 1.0, 1.5].map(|azimuth| azimuth - AZIMUTH_RAD / PI);
-    let level = turns.chain(axes).flat_map(move |turn| {
-        // From -1 to 1, in half turns from the usual side.
-        let turn = (turn + 1.0).rem_euclid(2.0) - 1.0;
-        elevations_rad.map(|(elevation, less)| {
-            (polar(AZIMUTH_RAD + turn * PI, elevation), less, BEHIND * turn.abs())
-        })
-    });
-    let vertical = VERTICALS_RAD.map(|(elevation, less)| (Vec3::Y * elevation.signum(), less, 0.0));
-    let thin = Vec3::AXES.into_iter().find(|axis| size.dot(*axis) <= THIN * size.max_element());
-    level.chain(vertical).map(move |(towards_eye, less, behind)| {
-        let is_along_thin = thin.is_some_and(|axis| axis.dot(towards_eye).abs() > 0.9999);
-        let less = if is_along_thin { ALONG_THIN * less } else { less };
-        Candidate { towards_eye, less: less + behind }
-    })
-}
+    /// The view that shows most of the subject.
+    pub(super) fn view(&self, rays: &Rays, aspect: f32) -> Camera {
+        self.best(&THING, aspect, |eye| visible(rays, &self.patches, eye, f32::sqrt))
+    }
 
-fn usual() -> Vec3 {
-    polar(AZIMUTH_RAD, ELEVATION_RAD)
-}
+    /// The view from outside that shows most of a place.
+    pub(super) fn view_into(&self, rays: &Rays, place: &[Patch], aspect: f32) -> Camera {
+        self.best(&OPENING, aspect, |eye| share(rays, place, eye))
+    }
 
-fn polar(azimuth_rad: f32, elevation_rad: f32) -> Vec3 {
-    let (sin, cos) = azimuth_rad.sin_cos();
-    let (y, level) = elevation_rad.sin_cos();
-    Vec3::new(sin * level, y, cos * level)
+    fn best(&self, penalties: &[f32; 7], aspect: f32, seen: impl Fn(Vec3) -> f32) -> Camera {
+        // Fitted to the box first, which is fast; only the final view is fitted to all corners.
+        let bounds = Bounds::from_points(self.corners.iter().copied());
+        let corners = if bounds.is_empty() { Vec::new() } else { bounds.corners().to_vec() };
+        let size = bounds.size();
+        let thin = Vec3::AXES.into_iter().find(|axis| size.dot(*axis) <= THIN * size.max_element());
+        let axes = [0.0, 0.5, 1.0, 1.5].map(|azimuth| azimuth - AZIMUTH_RAD / PI);
+        let turns = (0..AZIMUTHS).map(|step| step as f32 / AZIMUTHS as f32 * 2.0).chain(axes);
+        let mut judged = Vec::new();
+        for turn in turns {
+            // From -1 to 1, in half turns from the usual side.
+            let turn = (turn + 1.0).rem_euclid(2.0) - 1.0;
+            for (elevation_rad, penalty) in ELEVATIONS_RAD.into_iter().zip(penalties) {
+                let is_vertical = elevation_rad.abs() == FRAC_PI_2;
+                if is_vertical && turn != 0.0 {
+                    continue;
+                }
+                let towards_eye = if is_vertical {
+                    Vec3::Y * elevation_rad.signum()
+                } else {
+                    let (sin, cos) = (AZIMUTH_RAD + turn * PI).sin_cos();
+                    let (y, level) = elevation_rad.sin_cos();
+                    Vec3::new(sin * level, y, cos * level)
+                };
+                let is_along_thin = thin.is_some_and(|axis| axis.dot(towards_eye).abs() > 0.9999);
+                let penalty = if is_along_thin { ALONG_THIN * penalty } else { *penalty };
+                let share = seen(fit(&corners, towards_eye, aspect).position);
+                judged.push((share, penalty + BEHIND * turn.abs(), towards_eye));
+            }
+        }
+        let most = judged.iter().map(|(share, ..)| *share).fold(f32::MIN_POSITIVE, f32::max);
+        let worth = |(share, penalty, _): &(f32, f32, Vec3)| share / most - penalty;
+        // Strictly better: the first of equals wins.
+        let best = judged.iter().reduce(|a, b| if worth(b) > worth(a) { b } else { a });
+        fit(&self.corners, best.map_or(Vec3::Z, |best| best.2), aspect)
+    }
 }
 
 /// The share of points that an eye sees.
@@ -134,14 +136,11 @@ pub(super) fn share(rays: &Rays, patches: &[Patch], eye: Vec3) -> f32 {
 
 /// The visibility of points from an eye: their weights, times a function of the cosine.
 fn visible(rays: &Rays, patches: &[Patch], eye: Vec3, worth: impl Fn(f32) -> f32) -> f32 {
-    let seen = patches.iter().map(|patch| {
+    let seen = patches.iter().filter_map(|patch| {
         let way = eye - patch.position;
         let cosine = way.normalize().dot(patch.normal);
-        if cosine > 0.0 && rays.is_free(patch.position, way, 1.0) {
-            patch.weight * worth(cosine)
-        } else {
-            0.0
-        }
+        let is_seen = cosine > 0.0 && rays.is_free(patch.position, way, 1.0);
+        is_seen.then(|| patch.weight * worth(cosine))
     });
     seen.sum()
 }
@@ -152,16 +151,17 @@ fn visible(rays: &Rays, patches: &[Patch], eye: Vec3, worth: impl Fn(f32) -> f32
 /// plane when `p.x + t * p.z <= eye.x + t * eye.z`, with t the tangent of half the field of view,
 /// and so on for the other planes. The largest left sides of all points thus bound the eye, and
 /// solving the two equations of opposite planes puts the scene in the middle between them.
-fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> Viewpoint {
+fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> Camera {
     let camera = Camera::look_at(towards_eye, Vec3::ZERO, VERTICAL_FOV_RAD);
     let world_from_camera = Mat3::from_mat4(camera.world_from_camera());
-    let camera_from_world = world_from_camera.transpose();
     let tan_y = (VERTICAL_FOV_RAD * 0.5).tan() * FILL;
     let tan_x = tan_y * aspect;
     let [mut right, mut left, mut top, mut bottom, mut nearest] = [f32::NEG_INFINITY; 5];
     let mut farthest = f32::INFINITY;
+    // An empty scene is a point.
+    let corners = if corners.is_empty() { &[Vec3::ZERO] } else { corners };
     for &corner in corners {
-        let p = camera_from_world * corner;
+        let p = world_from_camera.transpose() * corner;
         right = right.max(p.x + tan_x * p.z);
         left = left.max(-p.x + tan_x * p.z);
         top = top.max(p.y + tan_y * p.z);
@@ -169,19 +169,65 @@ fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> Viewpoint {
         nearest = nearest.max(p.z);
         farthest = farthest.min(p.z);
     }
-    if !nearest.is_finite() {
-        [right, left, top, bottom, nearest, farthest] = [tan_x, tan_x, tan_y, tan_y, 0.0, 0.0];
-    }
     let away_x = (right + left) * 0.5 / tan_x;
     let away_y = (top + bottom) * 0.5 / tan_y;
     // A line seen along its axis has no width; keep a tenth of its size away nevertheless.
-    let size = (right + left).max(top + bottom).max(nearest - farthest).max(f32::MIN_POSITIVE);
+    let size = (right + left).max(top + bottom).max(nearest - farthest).max(1e-3);
     let away = away_x.max(away_y).max(nearest + 0.1 * size.min(1.0));
     let eye = Vec3::new((right - left) * 0.5, (top - bottom) * 0.5, away);
-    Viewpoint {
+    Camera {
         position: world_from_camera * eye,
         forward: -towards_eye,
-        vertical_fov_rad: VERTICAL_FOV_RAD,
-        near: 0.1 * (away - nearest),
+        near_m: 0.1 * (away - nearest),
+        ..camera
+    }
+}
+
+/// Removes a ground and a dome around a small rest from triangles.
+fn leave_out_surroundings(rays: &Rays, triangles: &mut Vec<&Triangle>) {
+    // Connected pieces, by union-find with path halving (Tarjan and van Leeuwen 1984).
+    let mut parent: Vec<u32> = (0..rays.positions.len() as u32).collect();
+    let find = |parent: &mut Vec<u32>, mut at: u32| {
+        while parent[at as usize] != at {
+            parent[at as usize] = parent[parent[at as usize] as usize];
+            at = parent[at as usize];
+        }
+        at
+    };
+    for triangle in &rays.triangles {
+        let roots = triangle.corners.map(|corner| find(&mut parent, corner));
+        let least = roots[0].min(roots[1]).min(roots[2]);
+        roots.into_iter().for_each(|root| parent[root as usize] = least);
+    }
+    let mut piece = |triangle: &Triangle| find(&mut parent, triangle.corners[0]);
+    let mut boxes: FxHashMap<u32, Bounds> = FxHashMap::default();
+    for triangle in &rays.triangles {
+        let bounds = Bounds::from_points(rays.corners(triangle));
+        let own = boxes.entry(piece(triangle)).or_default();
+        *own = own.union(bounds);
+    }
+    let mut areas: FxHashMap<u32, [f32; 2]> = FxHashMap::default();
+    for triangle in &rays.triangles {
+        let [a, b, c] = rays.corners(triangle);
+        let towards_middle = boxes[&piece(triangle)].center() - a;
+        let is_inward =
+            !triangle.is_double_sided() && (b - a).cross(c - a).dot(towards_middle) > 0.0;
+        let [inward, all] = areas.entry(piece(triangle)).or_default();
+        *all += rays.area(triangle);
+        *inward += if is_inward { rays.area(triangle) } else { 0.0 };
+    }
+    let all = 2.0 * rays.unit.half;
+    let width = |size: Vec3| size.x.max(size.z);
+    boxes.retain(|piece, bounds| {
+        let own = bounds.size();
+        let [inward, area] = areas[piece];
+        let is_ground = own.y <= FLAT * width(own) && width(own) >= SPANS * width(all);
+        let is_dome = inward > INWARD * area && own.cmpge(all * SPANS).all();
+        !is_ground && !is_dome
+    });
+    let rest = boxes.values().fold(Bounds::EMPTY, |rest, own| rest.union(*own)).size();
+    let is_small = rest.max_element() <= SMALL * all.max_element();
+    if rest.max_element() > 0.0 && is_small && rest.y >= STANDS * width(rest) {
+        triangles.retain(|triangle| boxes.contains_key(&piece(triangle)));
     }
 }

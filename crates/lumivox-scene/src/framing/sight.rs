@@ -2,12 +2,11 @@
 
 use std::cell::OnceCell;
 
-use super::emission::Emission;
 use super::fineness::{self, Fineness};
-use super::own_light::{self, OwnLight};
-use super::subject::Subject;
-use super::survey::Patch;
-use super::{Chosen, DefaultLight, Framing};
+use super::light::{self, Emission, OwnLight};
+use super::outside::Subject;
+use super::rays::Patch;
+use super::{DefaultLight, Framing};
 use crate::{Camera, Scene};
 
 /// The surroundings of a scene: a studio, sun and sky, or nothing.
@@ -106,13 +105,17 @@ impl Sight {
         let mut notes = Vec::new();
         let known = options.camera.clone().or_else(|| scene.cameras.first().cloned());
         let camera = known.unwrap_or_else(|| {
-            let (camera, chosen) = survey().chosen(options.aspect);
-            notes.push(chosen.note());
+            let (camera, (text, option)) = survey().chosen(options.aspect);
+            notes.push(Note { about: "camera", text: text.to_owned(), option });
             camera
         });
         let light = match options.staging {
             Staging::None => None,
-            Staging::Studio => Some(survey().studio_for(scene, &camera)),
+            Staging::Studio => {
+                // Dim enough for the scene's own glow to be visible.
+                let emission = Emission::of(scene, &survey().rays);
+                Some(survey().studio(&camera, &emission))
+            }
             Staging::Sky => Some(survey().day(&camera)),
             Staging::Auto if scene.is_lit_by_design() => None,
             Staging::Auto => {
@@ -129,9 +132,9 @@ impl Sight {
             .is_some_and(|voxel_m| scene.bounds().size().min_element() < THIN * voxel_m);
         let may_survey = framing.get().is_some() || is_thin || scene.triangle_count() < LARGE;
         if options.fineness != Fineness::default() && may_survey {
-            let Framing { rays, unit, .. } = survey();
-            let seen = own_light::seen(scene, rays, *unit, &camera, options.aspect);
-            let seen = fineness::Seen { patches: &seen, rays, unit: *unit };
+            let rays = &survey().rays;
+            let seen = light::seen(scene, rays, &camera, options.aspect);
+            let seen = fineness::Seen { patches: &seen, rays };
             notes.extend(options.fineness.voxel_m.and_then(|voxel_m| seen.coarse_voxels(voxel_m)));
             let added = light.as_ref().map_or(&[][..], DefaultLight::lights);
             let lights = scene.lights.iter().chain(added);
@@ -143,26 +146,7 @@ impl Sight {
     }
 }
 
-impl Chosen {
-    fn note(self) -> Note {
-        let (text, option) = match self {
-            Self::Inside => ("from inside, where most of the place is seen", "--camera outside"),
-            Self::Opening => ("from outside, through the side that is open", "--camera inside"),
-            Self::Outside => ("from outside, where most of it is seen", "--camera inside"),
-            Self::OnItsGround => {
-                ("from outside, fitted to what stands on the ground", "--camera inside")
-            }
-        };
-        Note { about: "camera", text: text.to_owned(), option }
-    }
-}
-
 impl Framing {
-    /// A studio that is dim enough for the scene's own glow to be visible.
-    fn studio_for(&self, scene: &Scene, camera: &Camera) -> DefaultLight {
-        self.studio(camera, Emission::of(scene, self.unit).luminance())
-    }
-
     /// The light to add if the scene's own is not enough for a camera's view.
     fn light_where_needed(
         &self,
@@ -171,29 +155,31 @@ impl Framing {
         aspect: f32,
     ) -> (Option<DefaultLight>, Note) {
         let standpoint = self.standpoint(camera);
-        let at = |points: &[Patch]| OwnLight::at(points, scene, &self.rays, self.unit);
-        let mut own = at(&own_light::seen(scene, &self.rays, self.unit, camera, aspect));
+        let emission = Emission::of(scene, &self.rays);
+        let at = |points: &[Patch]| OwnLight::at(points, scene, &self.rays, &emission);
+        let mut own = at(&light::seen(scene, &self.rays, camera, aspect));
         // A place is more than what is visible of it, and a scene with its own camera is composed:
         // a dark room may be intended.
         let whole = if self.is_place() {
             self.survey.patches.clone()
         } else if scene.cameras.contains(camera) {
-            Subject::of_thing(&self.soup).patches
+            Subject::of(&self.rays, false).patches
         } else {
             Vec::new()
         };
-        if !own.is_enough(standpoint) && at(&whole).is_enough(standpoint) {
-            own = at(&whole);
+        let whole = at(&whole);
+        if !own.is_enough(standpoint) && whole.is_enough(standpoint) {
+            own = whole;
         }
         let about = "light";
         if own.is_enough(standpoint) {
-            let is_alone = super::shines::by_emission_alone(scene);
+            let is_alone = scene.is_lit_by_emission_alone();
             let what = if is_alone { "its own emission alone" } else { "its own" };
             let text = format!("{what}, {} lux on what is seen", three_digits(own.lux(standpoint)));
             let option = "--surroundings studio or sky adds some";
             return (None, Note { about, text, option });
         }
-        let light = self.light(camera, Emission::of(scene, self.unit).luminance());
+        let light = self.light(camera, &emission);
         let option = match light {
             DefaultLight::SunAndSky { .. } => "--surroundings studio or none",
             DefaultLight::Studio { .. } => "--surroundings sky or none",
@@ -236,6 +222,6 @@ impl Scene {
     /// its lamps have a fall-off that is not physical.
     fn is_lit_by_design(&self) -> bool {
         let is_styled = self.lights.iter().any(|light| light.attenuation.is_some());
-        is_styled || super::shines::surroundings_shine(self) || super::shines::is_unlit(self)
+        is_styled || light::surroundings_shine(self) || light::is_unlit(self)
     }
 }

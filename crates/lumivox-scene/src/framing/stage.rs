@@ -5,9 +5,11 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
+use super::light::{Emission, Standpoint};
+use super::rays::Unit;
 use super::sight::three_digits;
-use super::soup::Unit;
-use super::{Framing, OPENING, outside, sun};
+use super::{Framing, OPENING, lights, outside};
+use crate::sky::{Sky, SkySettings, sky};
 use crate::studio::Studio;
 use crate::{Camera, Environment, EnvironmentMap, Instance, Light, Material, Mesh, Scene};
 
@@ -180,18 +182,22 @@ impl Ground {
     }
 }
 
+/// Texels around the sky's horizon. Tests only check the sun's direction, and use a coarse sky.
+fn sky_width() -> u32 {
+    if cfg!(test) { 32 } else { SkySettings::default().width }
+}
+
 impl Framing {
     /// Light for the scene as if it had none, to suit the view of `camera`: lamps in a closed room,
-    /// sun and sky in other places and over landscapes, otherwise a studio. `emission` is the mean
-    /// luminance of the emitting surfaces in cd/m²; 0 without any.
-    pub fn light(&self, camera: &Camera, emission: f32) -> DefaultLight {
-        if self.standpoint(camera) == super::Standpoint::ClosedRoom {
-            let lamps = self.lamps();
+    /// sun and sky in other places and over landscapes, otherwise a studio.
+    pub(super) fn light(&self, camera: &Camera, emission: &Emission) -> DefaultLight {
+        if self.standpoint(camera) == Standpoint::ClosedRoom {
+            let lamps = lights::lamps(&self.rays, &self.spots(), &self.survey.patches);
             if !lamps.is_empty() {
                 return DefaultLight::Lamps(lamps);
             }
         }
-        let eye = self.unit.unit_from_world(camera.position);
+        let eye = self.rays.unit.unit_from_world(camera.position);
         let is_day = if self.is_place() {
             outside::share(&self.rays, &self.survey.patches, eye) < OPENING
                 || self.surrounds(camera)
@@ -202,26 +208,28 @@ impl Framing {
     }
 
     /// Sun and sky, and a ground below things.
-    pub fn day(&self, camera: &Camera) -> DefaultLight {
-        let eye = self.unit.unit_from_world(camera.position);
+    pub(super) fn day(&self, camera: &Camera) -> DefaultLight {
+        let eye = self.rays.unit.unit_from_world(camera.position);
         let patches = &self.survey.patches;
-        let towards_sun = sun::direction(&self.rays, patches, eye, camera.forward);
-        let (sun, sky) = sun::day(towards_sun);
-        let ground = Material::diffuse(
-            "ground",
-            Vec3::splat(crate::sky::SkySettings::default().ground_albedo),
-        );
-        let ground = (!self.is_place()).then(|| Ground::of(self.unit, ground));
-        DefaultLight::SunAndSky { sun, sky: Arc::new(sky), ground }
+        let sun_direction = lights::towards_sun(&self.rays, patches, eye, camera.forward);
+        let settings = SkySettings { sun_direction, width: sky_width(), ..SkySettings::default() };
+        let Ok(Sky { map, sun: Some(sun) }) = sky(&settings) else {
+            unreachable!("a sun above the horizon has a sky")
+        };
+        let sun = Light { name: "default sun".to_owned(), ..sun };
+        let ground = Material::diffuse("ground", Vec3::splat(settings.ground_albedo));
+        let ground = (!self.is_place()).then(|| Ground::of(self.rays.unit, ground));
+        DefaultLight::SunAndSky { sun, sky: Arc::new(map), ground }
     }
 
     /// A studio. If something emits, white on the studio's ground is at most as bright: most files
     /// give lamps 1 cd/m², which would not visibly glow beside bright walls.
-    pub fn studio(&self, camera: &Camera, emission: f32) -> DefaultLight {
+    pub(super) fn studio(&self, camera: &Camera, emission: &Emission) -> DefaultLight {
         let studio = Studio::new();
         let white = studio.ground_lux / std::f32::consts::PI;
-        let dimmed = if emission > 0.0 { (emission / white).clamp(DIMMEST, 1.0) } else { 1.0 };
-        let ground = Ground::of(self.unit, studio.ground());
+        let is_dimmed = emission.luminance > 0.0;
+        let dimmed = if is_dimmed { (emission.luminance / white).clamp(DIMMEST, 1.0) } else { 1.0 };
+        let ground = Ground::of(self.rays.unit, studio.ground());
         let rotation_rad = f32::atan2(-camera.forward.x, -camera.forward.z);
         DefaultLight::Studio { studio: Arc::new(studio), dimmed, rotation_rad, ground }
     }
@@ -229,7 +237,7 @@ impl Framing {
     /// Whether the scene is a landscape: a sheet that covers its bounds seen from above, not quite
     /// flat, whose back is visible from below.
     fn is_landscape(&self) -> bool {
-        let half = self.unit.half;
+        let half = self.rays.unit.half;
         if !RELIEF.contains(&(half.y / half.x.max(half.z))) {
             return false;
         }

@@ -1,7 +1,7 @@
 //! Conversion of colours in files to linear light: sRGB (IEC 61966-2-1:1999).
 
 /// The linear value of an sRGB-encoded one, both from 0 to 1.
-pub(super) fn linear_from_srgb(encoded: f32) -> f32 {
+pub(crate) fn linear_from_srgb(encoded: f32) -> f32 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
