@@ -44,16 +44,16 @@ const UPSTAIRS: f32 = 0.3;
 const FILL: f32 = 0.9;
 
 /// A possible spot for the eye.
-pub(super) struct Spot {
-    pub(super) eye: Vec3,
+struct Spot {
+    eye: Vec3,
     /// Distance to the nearest surface.
-    pub(super) clearance: f32,
+    clearance: f32,
     /// Indices of the visible patches.
-    pub(super) seen: Vec<usize>,
+    seen: Vec<usize>,
 }
 
 /// The spots above, below or at some points.
-pub(super) fn spots(rays: &Rays, points: &[Vec3], patches: &[Patch]) -> Vec<Spot> {
+fn spots(rays: &Rays, points: &[Vec3], patches: &[Patch]) -> Vec<Spot> {
     let spot = |point: Vec3| {
         let eye = eye(rays, point)?;
         let around = directions::sphere(LOOKS).chain((0..AZIMUTHS).map(azimuth));
@@ -69,14 +69,15 @@ pub(super) fn spots(rays: &Rays, points: &[Vec3], patches: &[Patch]) -> Vec<Spot
     few(points, SPOTS).filter_map(spot).collect()
 }
 
-/// The best view from one of the spots, and the share of the patches that it shows; `None` without
-/// spots.
+/// The best view from one of the points, and the share of the patches that it shows; `None` if all
+/// are too close to something.
 pub(super) fn view(
     rays: &Rays,
-    spots: &[Spot],
+    points: &[Vec3],
     patches: &[Patch],
     aspect: f32,
 ) -> Option<(Camera, f32)> {
+    let spots = spots(rays, points, patches);
     let widest_rad = 2.0 * ((WIDEST_FOV_RAD * 0.5).tan() / aspect).atan();
     let vertical_fov_rad = VERTICAL_FOV_RAD.min(widest_rad);
     let half_height = FILL * (vertical_fov_rad * 0.5).tan();
@@ -86,7 +87,7 @@ pub(super) fn view(
     let heights = || spots.iter().map(|spot| spot.eye.y);
     let (lowest, highest) = (heights().fold(1.0, f32::min), heights().fold(-1.0, f32::max));
     let mut views = Vec::new();
-    for spot in spots {
+    for spot in &spots {
         // Half the clearance of the freest spot is enough.
         let room = (spot.clearance / (0.5 * widest)).min(1.0);
         let level = (spot.eye.y - lowest) / (highest - lowest).max(CLOSE);

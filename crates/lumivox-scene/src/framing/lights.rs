@@ -12,8 +12,8 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 
 use super::directions;
-use super::inside::Spot;
 use super::rays::{Patch, Rays};
+use super::survey::few;
 use crate::Light;
 
 /// The target mean illuminance: that of a living room or an office.
@@ -21,7 +21,10 @@ const MEAN_LUX: f32 = 300.0;
 const MOST_LAMPS: usize = 8;
 /// The height of a lamp, as a share of the free height.
 const HEIGHT: f32 = 0.8;
-/// No more lamps are added below this share of dark patches.
+/// Candidate positions of lamps, and points to be lit.
+const PLACES: usize = 100;
+const POINTS: usize = 400;
+/// No more lamps are added below this share of dark points.
 const DARK: f32 = 0.05;
 /// Rays that measure a room from a lamp.
 const LOOKS: usize = 2048;
@@ -41,24 +44,24 @@ const ELEVATIONS_RAD: [f32; 5] = [0.35, 0.6, 0.85, 1.1, 1.3];
 /// Directions in which the eye looks for surfaces to be lit by the sun.
 const SUN_LOOKS: usize = 600;
 
-/// Lamps at some of the spots, which see the patches of a place.
-pub(super) fn lamps(rays: &Rays, spots: &[Spot], patches: &[Patch]) -> Vec<Light> {
-    let places: Vec<(Vec3, f32)> =
-        spots.iter().filter_map(|s| below_ceiling(rays, s.eye)).collect();
+/// Lamps for the interior of a place.
+pub(super) fn lamps(rays: &Rays, interior: &[Vec3]) -> Vec<Light> {
+    let places = few(interior, PLACES).filter_map(|point| below_ceiling(rays, point));
+    let places: Vec<(Vec3, f32)> = places.collect();
     let widest = places.iter().map(|place| place.1).fold(f32::MIN_POSITIVE, f32::max);
-    let mut dark: Vec<&Patch> = patches.iter().collect();
-    let few = (dark.len() as f32 * DARK) as usize;
+    let mut dark: Vec<Vec3> = few(interior, POINTS).collect();
+    let most_dark = (dark.len() as f32 * DARK) as usize;
     let lights =
-        |place: Vec3, patch: &Patch| rays.is_free(patch.position, place - patch.position, 1.0);
+        |place: Vec3, point: Vec3| place == point || rays.is_free(place, point - place, 1.0);
     let mut lamps = Vec::new();
-    while lamps.len() < MOST_LAMPS && dark.len() > few {
+    while lamps.len() < MOST_LAMPS && dark.len() > most_dark {
         let worth = |&(place, clearance): &(Vec3, f32)| {
-            let lit = dark.iter().filter(|patch| lights(place, patch)).count();
+            let lit = dark.iter().filter(|&&point| lights(place, point)).count();
             (lit as f32 * (0.5 + clearance / widest), place)
         };
         let best = places.iter().map(worth).reduce(|a, b| if b.0 > a.0 { b } else { a });
         let Some((_, place)) = best.filter(|best| best.0 > 0.0) else { break };
-        dark.retain(|patch| !lights(place, patch));
+        dark.retain(|&point| !lights(place, point));
         lamps.extend(lamp(rays, place));
     }
     lamps

@@ -30,7 +30,6 @@ mod stage;
 mod survey;
 
 use crate::{Camera, Scene};
-use inside::Spot;
 use light::Standpoint;
 use outside::Subject;
 use rays::Rays;
@@ -111,26 +110,21 @@ impl Framing {
             } else {
                 "from outside, where most of it is seen"
             };
-            return (self.place(subject.view(&self.rays, aspect)), (text, "--camera inside"));
+            return (self.place(&subject.view(&self.rays, aspect)), (text, "--camera inside"));
         }
         let patches = &self.survey.patches;
         let through = subject.view_into(&self.rays, patches, aspect);
         let share = outside::share(&self.rays, patches, through.position);
-        match inside::view(&self.rays, &self.spots(), patches, aspect) {
+        match inside::view(&self.rays, &self.survey.interior, patches, aspect) {
             Some((view, within)) if share < OPEN_FRONT && share <= within => {
                 let text = "from inside, where most of the place is seen";
-                (self.place(view), (text, "--camera outside"))
+                (self.place(&view), (text, "--camera outside"))
             }
             _ => {
                 let text = "from outside, through the side that is open";
-                (self.place(through), (text, "--camera inside"))
+                (self.place(&through), (text, "--camera inside"))
             }
         }
-    }
-
-    /// The spots of a place for an eye or a lamp.
-    fn spots(&self) -> Vec<Spot> {
-        inside::spots(&self.rays, &self.survey.interior, &self.survey.patches)
     }
 
     /// A view of the whole scene from outside, with a vertical field of view of 45 degrees, as
@@ -141,9 +135,9 @@ impl Framing {
         let subject = Subject::of(rays, self.is_place());
         let through = subject.view_into(rays, patches, aspect);
         if outside::share(rays, patches, through.position) >= OPENING {
-            return self.place(through);
+            return self.place(&through);
         }
-        self.place(subject.view(rays, aspect))
+        self.place(&subject.view(rays, aspect))
     }
 
     /// A view along a place, from the free spot that shows the most of it; for a hollow thing, such
@@ -153,9 +147,8 @@ impl Framing {
     /// living room of 3 m, about a third of a hall.
     pub fn inside(&self, aspect: f32) -> Option<Camera> {
         let (points, patches) = self.survey.within(&self.rays);
-        let spots = inside::spots(&self.rays, &points, &patches);
-        let (view, _) = inside::view(&self.rays, &spots, &patches, sane(aspect))?;
-        Some(self.place(view))
+        let (view, _) = inside::view(&self.rays, &points, &patches, sane(aspect))?;
+        Some(self.place(&view))
     }
 
     /// Whether a camera has surfaces nearly all around.
@@ -181,7 +174,7 @@ impl Framing {
     }
 
     /// A view in unit space as a camera in the world.
-    fn place(&self, view: Camera) -> Camera {
+    fn place(&self, view: &Camera) -> Camera {
         let unit = self.rays.unit;
         Camera {
             name: "framing".to_owned(),

@@ -104,7 +104,7 @@ impl Subject {
             // From -1 to 1, in half turns from the usual side.
             let turn = (turn + 1.0).rem_euclid(2.0) - 1.0;
             for (elevation_rad, penalty) in ELEVATIONS_RAD.into_iter().zip(penalties) {
-                let is_vertical = elevation_rad.abs() == FRAC_PI_2;
+                let is_vertical = elevation_rad.abs() >= FRAC_PI_2;
                 if is_vertical && turn != 0.0 {
                     continue;
                 }
@@ -197,7 +197,9 @@ fn leave_out_surroundings(rays: &Rays, triangles: &mut Vec<&Triangle>) {
     for triangle in &rays.triangles {
         let roots = triangle.corners.map(|corner| find(&mut parent, corner));
         let least = roots[0].min(roots[1]).min(roots[2]);
-        roots.into_iter().for_each(|root| parent[root as usize] = least);
+        for root in roots {
+            parent[root as usize] = least;
+        }
     }
     let mut piece = |triangle: &Triangle| find(&mut parent, triangle.corners[0]);
     let mut boxes: FxHashMap<u32, Bounds> = FxHashMap::default();

@@ -192,7 +192,7 @@ impl Framing {
     /// sun and sky in other places and over landscapes, otherwise a studio.
     pub(super) fn light(&self, camera: &Camera, emission: &Emission) -> DefaultLight {
         if self.standpoint(camera) == Standpoint::ClosedRoom {
-            let lamps = lights::lamps(&self.rays, &self.spots(), &self.survey.patches);
+            let lamps = lights::lamps(&self.rays, &self.survey.interior);
             if !lamps.is_empty() {
                 return DefaultLight::Lamps(lamps);
             }

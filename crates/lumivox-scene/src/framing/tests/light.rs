@@ -246,12 +246,13 @@ fn things_are_lit_from_the_left_of_the_camera() {
 
 #[test]
 fn every_kind_of_light_counts() {
+    type Change<'a> = (&'a str, bool, bool, &'a dyn Fn(&mut Scene));
     let mut dark = builtin::scene("cornell").unwrap();
     dark.lights.clear();
     dark.materials.iter_mut().for_each(|material| material.emissive = Vec3::ZERO);
     let unlit = Shading::Unlit(Unlit::default());
     let black = |light: f32| Light { color: Vec3::splat(light), ..Light::default() };
-    let changes: [(&str, bool, bool, &dyn Fn(&mut Scene)); 8] = [
+    let changes: [Change<'_>; 8] = [
         ("nothing", false, false, &|_| {}),
         ("a sky", true, false, &|scene| scene.environment.radiance = Vec3::Z * 1e-6),
         ("a lamp", true, false, &|scene| scene.lights.push(black(1.0))),

@@ -381,7 +381,7 @@ fn notes_warn_of_coarse_voxels_and_shadow_maps() {
     {
         let position = direction * -2000.0;
         scene.lights =
-            vec![crate::Light { direction, position, kind, intensity, ..Default::default() }];
+            vec![crate::Light { kind, intensity, position, direction, ..Default::default() }];
         let maps = ShadowMapFineness { resolution: 1024, squares, step: 4.0, reach_m: None };
         let fineness = Fineness { voxel_m: None, shadow_maps: Some(maps) };
         let is_noted = about(&scene, fineness).contains(&"shadows");
