@@ -28,7 +28,7 @@ fn light_of(scene: &Scene) -> Option<DefaultLight> {
 }
 
 #[test]
-fn a_small_glow_is_not_enough() {
+fn scenes_with_faint_emitters_get_default_light() {
     for radiance in [1e-3, 1e3] {
         // The neck of a helmet glows, or a window of a diorama.
         let helmet = light_of(&glowing(helmet(), 3, radiance));
@@ -40,7 +40,7 @@ fn a_small_glow_is_not_enough() {
 /// A studio is not brighter than an emissive thing in it, which is therefore seen to glow; its
 /// units are stated nevertheless.
 #[test]
-fn studios_are_dimmed_to_the_glow_in_them() {
+fn studio_light_is_dimmed_below_emitters() {
     let dimmed = |radiance: f32| {
         let mut scene = glowing(helmet(), 3, radiance);
         let Some(DefaultLight::Studio { studio, dimmed, .. }) = lit(&mut scene, None) else {
@@ -55,7 +55,7 @@ fn studios_are_dimmed_to_the_glow_in_them() {
 }
 
 #[test]
-fn a_lamp_that_lights_its_closed_room_is_enough() {
+fn rooms_with_enough_lamp_light_get_no_default() {
     let lamp = quad(Vec3::new(0.0, 2.99, 0.0), Vec3::X * 0.5, Vec3::Z * 0.5);
     let mut room = glowing(scene([room(), lamp], false), 1, 1.0);
     assert_eq!(light_of(&room), None, "pi lm on 108 m²");
@@ -72,7 +72,7 @@ fn a_lamp_that_lights_its_closed_room_is_enough() {
 }
 
 #[test]
-fn one_dim_lamp_is_not_enough_for_a_thing() {
+fn an_object_under_one_dim_lamp_gets_default_light() {
     let lamp = |intensity: f32| {
         let mut scene = helmet();
         scene.lights.push(Light {
@@ -101,7 +101,7 @@ fn one_dim_lamp_is_not_enough_for_a_thing() {
 }
 
 #[test]
-fn built_in_scenes_are_left_as_they_are() {
+fn staging_does_not_change_built_in_scenes() {
     for name in builtin::names() {
         let original = builtin::scene(name).unwrap();
         let mut staged = original.clone();
@@ -112,7 +112,7 @@ fn built_in_scenes_are_left_as_they_are() {
 }
 
 #[test]
-fn the_staging_of_the_options_is_used() {
+fn requested_staging_is_applied() {
     let staged = |scene: &Scene, staging| {
         let mut scene = scene.clone();
         let sight = scene.stage(&SightOptions { staging, ..SightOptions::default() });
@@ -136,7 +136,7 @@ fn the_staging_of_the_options_is_used() {
 }
 
 #[test]
-fn landscapes_have_a_sky_and_a_horizon() {
+fn landscapes_get_a_sky_and_a_ground() {
     let mut scene = terrain();
     let Some(DefaultLight::SunAndSky { ground: Some(ground), .. }) = lit(&mut scene, None) else {
         panic!("a landscape lies in the open")
@@ -147,7 +147,7 @@ fn landscapes_have_a_sky_and_a_horizon() {
 }
 
 #[test]
-fn notes_name_the_options_that_override_them() {
+fn notes_name_the_options_that_override_choices() {
     let mut scene = helmet();
     let sight = scene.stage(&SightOptions::default());
     let told: Vec<String> = sight.notes.iter().map(Note::to_string).collect();
@@ -213,7 +213,7 @@ fn lamps_give_300_lux_in_the_mean() {
 /// A lamp in the middle of a cube that lacks one wall loses a sixth of its flux, and is brighter by
 /// that.
 #[test]
-fn a_lamp_makes_up_for_what_leaves_the_room() {
+fn lamps_compensate_for_light_lost_through_openings() {
     let walls = without(interior(Vec3::NEG_ONE, Vec3::ONE), |p| p.x > 0.9);
     let framing = Framing::of(&scene([walls], false));
     let lamp = lights::lamp(&framing.rays, Vec3::ZERO).unwrap();
@@ -245,7 +245,7 @@ fn things_are_lit_from_the_left_of_the_camera() {
 }
 
 #[test]
-fn every_kind_of_light_counts() {
+fn shines_considers_every_kind_of_light() {
     type Change<'a> = (&'a str, bool, bool, &'a dyn Fn(&mut Scene));
     let mut dark = builtin::scene("cornell").unwrap();
     dark.lights.clear();
@@ -276,7 +276,7 @@ fn every_kind_of_light_counts() {
 
 /// A square of 4 m² that emits 10 cd/m², with a texture, on a matt one of 16 m².
 #[test]
-fn emission_is_what_the_texels_leave() {
+fn emitted_flux_is_scaled_by_the_texture() {
     let (black, white, half) = ([3, 8, 5, 255], [255; 4], [188, 188, 188, 255]);
     let small = quad(Vec3::Y, Vec3::X, Vec3::Z);
     let large = quad(Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0);

@@ -51,7 +51,7 @@ fn assert_stands_free(framing: &Framing, camera: &Camera, clearance_m: f32) {
 }
 
 #[test]
-fn rooms_are_seen_along_their_length() {
+fn rooms_are_viewed_from_inside_along_their_length() {
     let framing = Framing::of(&scene([room()], false));
     assert!(framing.is_place() && framing.is_enclosed());
     let camera = framing.camera(ASPECT);
@@ -78,7 +78,7 @@ fn windows_open_a_room_and_panes_do_not_close_it() {
 }
 
 #[test]
-fn hollow_things_are_seen_from_outside() {
+fn hollow_objects_are_viewed_from_outside() {
     let block = cuboid(Vec3::new(-1.0, 0.0, -2.0), Vec3::new(1.0, 1.0, 2.0), Faces::ALL);
     let all = [
         ("block", scene([block], false)),
@@ -116,7 +116,7 @@ fn hollow_things_are_seen_from_outside() {
 }
 
 #[test]
-fn double_sided_shells_are_rooms_if_they_are_furnished() {
+fn double_sided_shells_are_rooms_only_if_furnished() {
     // Sketching programs make rooms of which the front is outside.
     let shell = cuboid(Vec3::new(-3.0, 0.0, -2.0), Vec3::new(3.0, 3.0, 2.0), Faces::ALL);
     assert!(!Framing::of(&scene([shell.clone()], true)).is_place());
@@ -157,7 +157,7 @@ fn an_open_hall_is_seen_from_its_floor_and_lit_through_its_roof() {
 }
 
 #[test]
-fn the_inside_of_a_hollow_thing_is_shown_on_request() {
+fn inside_cameras_work_for_hollow_objects() {
     for (name, scene) in [("teapot", teapot()), ("gear box", gear_box())] {
         let framing = Framing::of(&scene);
         let camera = framing.inside(ASPECT).unwrap_or_else(|| panic!("a {name} has an inside"));
@@ -169,7 +169,7 @@ fn the_inside_of_a_hollow_thing_is_shown_on_request() {
 }
 
 #[test]
-fn open_boxes_are_looked_into_at_any_scale() {
+fn cameras_look_into_open_boxes_at_any_scale() {
     let (low, high) = (Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 2.0, 1.0));
     let blocks = || {
         [(-0.4, -0.3, 1.2), (0.4, 0.4, 0.6)].map(|(x, z, height)| {
@@ -202,7 +202,7 @@ fn open_boxes_are_looked_into_at_any_scale() {
 }
 
 #[test]
-fn boards_are_looked_at_along_their_thin_axis() {
+fn cameras_view_boards_along_their_thin_axis() {
     // A picture frame, a circuit board with its parts, a shelf's side.
     for (thin, half) in [
         (Vec3::Z, Vec3::new(0.8, 0.6, 0.01)),
@@ -260,7 +260,7 @@ fn small_things_on_a_large_ground_fill_the_picture() {
 }
 
 #[test]
-fn things_are_seen_before_their_back_wall() {
+fn cameras_view_stage_sets_from_the_open_side() {
     let things = || {
         [-1.0, 0.2, 1.3].map(|x| {
             cuboid(Vec3::new(x - 0.3, 0.0, -0.3), Vec3::new(x + 0.3, 0.7, 0.3), Faces::NO_BOTTOM)
@@ -279,7 +279,7 @@ fn things_are_seen_before_their_back_wall() {
 }
 
 #[test]
-fn neither_scale_nor_repetition_makes_a_difference() {
+fn framing_is_deterministic_and_independent_of_scale() {
     for original in [helmet(), hall(), scene([room()], false)] {
         let (small, large) = (scaled(&original, 1e-3), scaled(&original, 1e3));
         let (a, b) = (small.default_camera(ASPECT), large.default_camera(ASPECT));
