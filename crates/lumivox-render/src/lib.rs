@@ -24,6 +24,7 @@
 //! | `renderer/` | connects the passes, and updates whatever a change invalidates |
 //! | `measure.rs` | the grid of a workplane, and statistics of light readings |
 //! | `reference/` | the path tracer that provides ground truth |
+//! | `irradiance_volume/` | light at a grid of probes, as a file for other renderers |
 //! | `compare/` | the error of a picture against the reference |
 
 // Tests compare floats that must be bit-identical.
