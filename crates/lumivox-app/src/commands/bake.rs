@@ -21,20 +21,20 @@ use crate::host::Host;
 use crate::progress::ProgressDisplay;
 use crate::{light, settings};
 
-/// The most probes.
+/// The most probes of a volume.
 const MOST: f64 = (1 << 18) as f64;
-/// The most texels of the texture along an edge, which every GPU supports.
+/// The longest edge of the texture, in texels, that every GPU supports.
 const LONGEST: u32 = 2048;
 /// Probes along the longest edge of a box if no spacing is given.
 const CELLS: f32 = 24.0;
-/// Margin of a box of probes around all of a scene, as a share of its longest edge: surfaces on its
-/// sides are inside.
+/// Margin around a whole scene's box of probes, as a share of its longest edge, so that the box
+/// contains surfaces on its sides.
 const MARGIN: f32 = 1e-3;
 
 /// Bakes, writes and reports.
 ///
 /// # Errors
-/// When anything that the arguments ask for cannot be done; the message says what.
+/// When any step fails; the message says which.
 pub fn run(args: &BakeArgs, host: &Host) -> anyhow::Result<()> {
     if args.output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("ktx2")) {
         let file = args.output.display();
@@ -171,7 +171,7 @@ impl Report<'_> {
 
     fn text(&self) -> String {
         let ProbeGrid { size, cells, .. } = self.grid;
-        // Tenths of millimetres, to hide rounding errors.
+        // Round to tenths of millimetres, to hide rounding errors.
         let tidy = |place: Vec3| (place * 1e4).round() / 1e4;
         let (center, size) = (tidy(self.grid.center()), tidy(size));
         let name = self.file.file_name().unwrap_or_default().to_string_lossy();

@@ -65,7 +65,7 @@ struct Report {
     size: [u32; 2],
     /// Distinct parts.
     parts: usize,
-    /// Batches of 16 samples, numbered from 0.
+    /// Number of batches of 16 samples.
     batches: u32,
     /// Samples of each pixel.
     samples: u32,

@@ -28,7 +28,7 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
 /// Traces, writes and reports.
 ///
 /// # Errors
-/// When anything that the arguments ask for cannot be done; the message says what.
+/// When any step fails; the message says which.
 pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     if let Some(file) = &args.output {
         output::check(file)?;
@@ -88,7 +88,7 @@ pub fn run(args: &ReferenceArgs, host: &Host) -> anyhow::Result<()> {
     let is_complete = layers.samples >= samples;
     let file = match (&args.part, &args.output) {
         (Some(part), _) => {
-            // An incomplete part is not written: its name would not show it.
+            // Do not write an incomplete part: its name would not show that it is incomplete.
             if is_complete {
                 write_part(&tracer.part(), part)?;
             }
@@ -132,9 +132,9 @@ fn stopped(args: &ReferenceArgs, report: &Report, wanted: u32) -> Failure {
     ))
 }
 
-/// Traces until all samples are done or Ctrl-C is pressed, and writes the checkpoint. Batches are
-/// finished, so that a resumed run has the bits, and the noise estimate, of one that was never
-/// stopped.
+/// Traces until all samples are done or Ctrl-C is pressed, and writes the checkpoint. It always
+/// finishes the current batch, so that a resumed run gives the bits and the noise estimate of an
+/// uninterrupted one.
 fn trace(
     tracer: &mut PathTracer,
     args: &ReferenceArgs,
@@ -303,8 +303,8 @@ impl Report {
 mod tests {
     use super::*;
 
-    /// Two pixels with a mean of 5 whose variances have a mean of 0.25: the noise is one half, a
-    /// tenth of the mean.
+    /// Two pixels with a mean of 5 and a mean variance of 0.25: the deviation is 0.5, a tenth of
+    /// the mean.
     #[test]
     fn noise_is_the_deviation_over_the_mean() {
         let pixels = [[4.0, 5.0, 6.0], [6.0, 5.0, 4.0]];

@@ -24,7 +24,7 @@ const FRAME_S: f32 = 1.0 / 30.0;
 /// Runs commands.
 ///
 /// # Errors
-/// The first error of a command, or a summary of all errors if it continues after them.
+/// The first error of a command; with `--keep-going` a summary of all errors.
 pub fn run(args: &RunArgs, host: &Host) -> anyhow::Result<()> {
     let is_terminal = host.has_terminal_for_input();
     let is_stdin = args.script.as_deref() == Some(Path::new("-"));
@@ -161,7 +161,7 @@ impl Runner {
     }
 
     fn show(&self, progress: Option<ProgressDisplay>) {
-        // Drop the previous display outside the lock: it waits for its thread.
+        // Drop the previous display outside the lock: dropping waits for its thread.
         let before = self
             .progress
             .lock()

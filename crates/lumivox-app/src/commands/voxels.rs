@@ -42,7 +42,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
     gpu.wait("uploading the scene")?;
 
     progress.set("voxelizing", 0, 1);
-    // First without timing passes, which may slow it down, then with.
+    // Voxelize first without timing of passes, which may slow it down, then with it.
     let start = Instant::now();
     let voxelized = pollster::block_on(gi.voxelize(&uploaded.geometry, Timing::Off));
     let voxelized = voxelized.map_err(|error| RenderError::of_scene(error, &scene))?;
@@ -66,7 +66,7 @@ pub fn run(args: &VoxelsArgs, host: &Host) -> anyhow::Result<()> {
 /// The grid of a scene's voxels.
 ///
 /// # Errors
-/// When the settings allow no grid.
+/// When the settings are invalid for a grid.
 pub fn grid(settings: &RenderSettings, scene: &Scene) -> anyhow::Result<Grid> {
     let centre = match settings.volume {
         // Cascades are centred on the default camera.
@@ -93,9 +93,9 @@ struct Report {
     voxelizer: &'static str,
     /// Triangles given to the voxelizer.
     triangles: u64,
-    /// Given triangles that are left out: without an area, or with non-finite coordinates.
+    /// Triangles left out: without area, or with non-finite coordinates.
     skipped: u64,
-    /// Given triangles outside the grid.
+    /// Triangles outside the grid.
     outside: u64,
     /// Tiles of triangles: the threads of each walk.
     work_items: u64,
@@ -109,7 +109,7 @@ struct Report {
     /// Memory that stays on the GPU.
     memory: Vec<MemoryReport>,
     memory_bytes: u64,
-    /// Wall-clock time of one whole voxelization without timing of passes, ms.
+    /// Wall-clock time of one voxelization without timing of passes, ms.
     wall_ms: f64,
     #[serde(flatten)]
     times: TimesReport,

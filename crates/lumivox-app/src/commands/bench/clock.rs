@@ -17,7 +17,7 @@ use lumivox_scene::Scene;
 
 use super::report::{Spread, TimingReport};
 
-/// Voxels and pixels of the work; the next size is tried if no pass is long.
+/// Voxels per axis and pixels of the work; the next entry is tried if no pass is long.
 const WORK: [(u32, UVec2); 4] = [
     (32, UVec2::new(320, 180)),
     (64, UVec2::new(640, 360)),
@@ -26,8 +26,8 @@ const WORK: [(u32, UVec2); 4] = [
 ];
 /// The shortest time of a long pass, far above the cost of a wait, ms.
 const LONG_MS: f64 = 10.0;
-/// Accepted ratios of stamped to waited time of a long pass: below one, since waiting costs time;
-/// above one, by chance.
+/// Accepted ratios of stamped to waited time of a long pass: waiting costs time, which lowers the
+/// ratio; chance may raise it.
 const TRUE_SHARES: RangeInclusive<f64> = 0.5..=1.25;
 /// The lowest accepted ratio of all passes together, if even the largest work has no long pass.
 const LEAST_SHARE_OF_SHORT: f64 = 0.05;
@@ -42,7 +42,7 @@ struct Compared {
     waited: f64,
 }
 
-/// Chooses how the times of stages are taken on a device; also returns the reason.
+/// Chooses the clock for stages on a device; also returns the reason.
 pub fn choose(gpu: &Gpu, scene: &Scene) -> (Timing, TimingReport) {
     let waited = |reason: String| {
         let method = "waited submits".to_owned();
@@ -90,7 +90,7 @@ fn judge(compared: &[Compared]) -> Result<String, String> {
     if shares.contains(&(stamped / waited)) { Ok(words) } else { Err(words) }
 }
 
-/// Times larger and larger work until a pass is long, or the device can do no more.
+/// Times increasingly large work until a pass is long or the device fails.
 fn compare(gpu: &Gpu, scene: &Scene) -> Result<Vec<Compared>, RenderError> {
     let mut last = None;
     for (resolution, size) in WORK {

@@ -4,14 +4,13 @@ use lumivox_console::report::AdapterReport;
 use lumivox_render::Gpu;
 use serde::{Deserialize, Serialize};
 
-/// The machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     /// The GPU's name.
     pub name: String,
     /// `DiscreteGpu`, `IntegratedGpu`, `VirtualGpu`, `Cpu` or `Other`.
     pub kind: String,
-    /// The API.
+    /// The graphics API.
     pub backend: String,
     /// The driver's name and version.
     pub driver: String,
@@ -25,7 +24,7 @@ pub struct Machine {
     pub timestamps: bool,
     /// Nanoseconds of a tick of the timestamps; `None` without them.
     pub timestamp_period_ns: Option<f32>,
-    /// The device's limits that bound what can be measured.
+    /// The device's limits on what can be measured.
     pub limits: Limits,
 }
 

@@ -24,12 +24,12 @@ const MOST_CHANGES: u32 = 16;
 /// grow, and a GPU raises its clock.
 const WARM_UP: u32 = 3;
 const WARM_UP_TIME: Duration = Duration::from_millis(400);
-/// The most late frames that are skipped before the first that counts.
+/// The most late frames skipped before the first measured one.
 const MOST_LATE: u32 = 32;
 /// Phases of a measurement, for its progress.
 const PHASES: f64 = 5.0;
 
-/// Data of all measurements, and the number of this one.
+/// Data that all measurements share, and the progress through them.
 #[derive(Debug)]
 pub struct Bench<'a> {
     pub gpu: &'a Gpu,
@@ -38,7 +38,7 @@ pub struct Bench<'a> {
     /// The most frames of a measurement.
     pub frames: u32,
     pub progress: &'a ProgressDisplay,
-    /// Number of finished measurements, and of all.
+    /// Numbers of finished measurements and of all measurements.
     pub done: u32,
     pub total: u32,
 }
@@ -54,7 +54,7 @@ impl Bench<'_> {
     /// Measures a case.
     ///
     /// # Errors
-    /// When the device or the library refuses something, and when the device fails.
+    /// When the library rejects the case, or the device fails.
     pub fn measure(
         &self,
         subject: &Subject,
@@ -173,7 +173,7 @@ impl Bench<'_> {
         let picture = block_on(renderer.finish())?;
         let shown: f64 = picture.hdr.iter().map(|pixel| f64::from(pixel[0])).sum();
         let is_counted = trace.resolution == TraceResolution::Full;
-        // One pixel in four is traced; those between show the mean of traced ones.
+        // One pixel in four is traced; the others show the mean of traced neighbours.
         let share = if is_counted { 1.0 } else { 0.25 };
         Ok(Cones { samples: shown * share, is_counted })
     }
@@ -194,7 +194,7 @@ impl Bench<'_> {
         Ok(walls)
     }
 
-    /// Repeats the work to time its stages; `walls` has the whole times.
+    /// Repeats the work to time its stages; `walls` are the wall-clock times of earlier runs.
     fn part(
         &self,
         walls: &[f64],

@@ -5,14 +5,14 @@ use lumivox_scene::{Bounds, Instance, Light, Material, Mesh, Scene};
 
 /// The edge of the block, as a share of the scene's shortest side.
 const BLOCK_SHARE: f32 = 0.12;
-/// The radius of the block's circle, and that of a lamp's, as shares of the same side.
+/// The radii of the circles of the block and of a lamp, as shares of the same side.
 const BLOCK_REACH: f32 = 0.15;
 const LAMP_REACH: f32 = 0.05;
 /// The height of the circle above the scene's middle, as a share of its height.
 const RISE: f32 = 0.2;
 /// The turn per frame, radians: one circle in a second at 60 frames a second.
 const TURN_RAD: f32 = std::f32::consts::TAU / 60.0;
-/// The most that a sun turns to either side, radians.
+/// The largest turn of a sun to either side, radians.
 const SUN_TURN_RAD: f32 = 0.05;
 
 /// A scene in which only a block and the first light move.

@@ -3,7 +3,7 @@
 use super::plan::Motion;
 use super::report::{Figures, Part, Report, Row};
 
-/// Stages of the library that belong to one column of the tables.
+/// Stages of the library that columns of the tables sum up.
 const VOXELIZE: &[&str] = &["voxelize", "volume", "changes"];
 const LIGHT: &[&str] = &["shadow maps", "light", "bounce", "filter"];
 const TRACE: &[&str] = &["trace"];
@@ -214,7 +214,7 @@ impl Page<'_> {
 /// A missing figure.
 const NONE: &str = "-";
 
-/// The end of a case's name, which its table's title repeats.
+/// The end of a case's name; tables omit it, since their titles say it.
 fn suffix(motion: Motion) -> &'static str {
     match motion {
         Motion::Still => "/still",

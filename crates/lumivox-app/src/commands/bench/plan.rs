@@ -10,7 +10,7 @@ use crate::cli::{BenchArgs, VolumeChoice};
 
 /// The size at which everything is measured.
 const SIZE: UVec2 = UVec2::new(640, 360);
-/// The size of a screen, measured at one resolution of the voxels.
+/// The size of a screen, and the only resolution of voxels at which it is measured.
 const SCREEN: (UVec2, u32) = (UVec2::new(1920, 1080), 128);
 /// The resolution of the small part.
 const SMALL: u32 = 64;
@@ -73,7 +73,7 @@ pub struct Plan {
     pub scenes: Vec<SceneSource>,
     /// The cases, scene by scene.
     pub cases: Vec<Case>,
-    /// A description for the report.
+    /// A description of the choice of cases, for the report.
     pub words: &'static str,
 }
 

@@ -11,13 +11,12 @@ pub const FORMAT: u32 = 1;
 /// A report.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// The version of the layout: [`FORMAT`].
+    /// [`FORMAT`].
     pub format: u32,
     /// The version of Lumivox.
     pub version: String,
     /// `release`, or `debug` without optimization.
     pub build: String,
-    /// The machine.
     pub machine: Machine,
     /// The choice of cases, in words.
     pub cases: String,
@@ -82,26 +81,27 @@ impl Row {
 pub struct Figures {
     pub triangles: u64,
     pub voxels: u64,
-    /// GPU memory of everything.
+    /// All GPU memory.
     pub memory_bytes: u64,
-    /// The part of it that cones sample: faces with their index, or cells.
+    /// GPU memory that cones sample: faces with their index, or cells.
     pub volume_bytes: u64,
-    /// Voxelizing and lighting everything again, with all bounces; only for still cases.
+    /// Times of voxelizing and lighting everything again, with all bounces; `None` for moving
+    /// cases.
     pub change: Option<Part>,
-    /// A frame.
+    /// Times of a frame.
     pub frame: Part,
     /// Frames that showed the voxels of an earlier frame.
     pub late_frames: u32,
-    /// The work of the cones on screen; only for still cases.
+    /// The work of the cones on screen; `None` for moving cases.
     pub cones: Option<Cones>,
 }
 
 /// Times of one kind of work.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Part {
-    /// How often it was done for `whole`.
+    /// Number of runs that `whole` measures.
     pub runs: u32,
-    /// From the first call to the end of all work on the GPU, by the clock.
+    /// Wall-clock time from the first call to the end of all GPU work.
     pub whole: Spread,
     /// The stages on the GPU, in order.
     pub stages: Vec<Stage>,
@@ -127,7 +127,7 @@ pub struct Stage {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     pub median: f64,
-    /// The least that 95 % of the runs do not exceed.
+    /// 95th percentile.
     pub p95: f64,
 }
 
@@ -143,11 +143,11 @@ impl Spread {
 /// The work of a frame's cones.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cones {
-    /// Steps of their rays in a frame.
+    /// Steps of all rays in a frame.
     pub samples: f64,
-    /// `true` if the samples were counted pixel by pixel. `false` if one pixel in four is traced:
-    /// they are then estimated as a quarter of the picture's sum, which counts too little at edges,
-    /// where pixels are traced one by one.
+    /// `true` if the samples of every pixel were counted. `false` if one pixel in four is traced:
+    /// `samples` is then a quarter of the picture's sum, too low at edges, where every pixel is
+    /// traced.
     pub is_counted: bool,
 }
 

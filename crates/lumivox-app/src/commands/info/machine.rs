@@ -1,8 +1,8 @@
 //! The report on this machine.
 //!
-//! The device's limits decide how large a volume may be. Whether there is enough memory shows only
-//! when it is allocated, since graphics APIs do not say how much there is. So the report gives
-//! both: the largest resolution within the limits, and the memory of the usual resolutions.
+//! The device's limits decide how large a volume may be. Graphics APIs do not report free memory,
+//! so only allocating shows whether it suffices. The report therefore gives the largest resolution
+//! within the limits, and the memory of the usual resolutions.
 
 use lumivox_console::report::{AdapterReport, Table, bytes};
 use lumivox_render::{Gpu, GpuOptions, describe};
@@ -43,7 +43,7 @@ struct DeviceReport {
     shader_f16: bool,
     /// The largest resolution of the dense volume for a cube-shaped scene, with its memory.
     largest_volume: VolumeReport,
-    /// The usual resolutions within that.
+    /// Volumes of the usual resolutions up to the largest.
     volumes: Vec<VolumeReport>,
     /// The largest resolution of an octree, if its surface fits.
     largest_octree: u32,
@@ -97,7 +97,7 @@ impl Report {
 
 impl Capabilities {
     fn new(info: &wgpu::AdapterInfo, features: wgpu::Features) -> Self {
-        // All of the description, so that no other adapter matches it.
+        // The whole description, so that no other adapter matches.
         let options = GpuOptions { adapter: Some(describe(info)), ..GpuOptions::default() };
         let opened = pollster::block_on(Gpu::new(&options));
         let (device, problem) = match opened {

@@ -42,7 +42,7 @@ enum Kind {
 /// Measures, writes and reports.
 ///
 /// # Errors
-/// When anything that the arguments ask for cannot be done; the message says what.
+/// When any step fails; the message says which.
 pub fn run(args: &MeasureArgs, host: &Host) -> anyhow::Result<()> {
     let kinds = args.output.iter().map(|file| check(file, args)).collect::<Result<Vec<_>, _>>()?;
     if args.rays.is_some() && args.method == Method::Cones {

@@ -13,7 +13,7 @@ use crate::cli::MeasureArgs;
 
 /// The most points of a workplane or a file.
 const MOST: usize = 1 << 20;
-/// The most places that are checked for being inside solids, or in shade that shadow maps lose.
+/// The most places that are checked for lying inside solids, or in shade that shadow maps miss.
 const MOST_LOOKED_AT: usize = 1 << 14;
 /// The largest distance of a place from the scene, in sizes of the scene.
 const FARTHEST: f32 = 1000.0;
@@ -58,7 +58,7 @@ impl Places {
         Ok(Self { kind, at, given, size: (kind == Kind::Picture).then_some(args.size) })
     }
 
-    /// The places in a scene.
+    /// Converts the places to the scene's coordinates; makes the grid of a workplane.
     ///
     /// # Errors
     /// When a workplane has too many cells, or a place is too far from the scene.
@@ -120,8 +120,8 @@ impl Places {
         looked_at.filter(|(_, (at, _))| picker.is_inside(*at)).map(|(index, _)| index).collect()
     }
 
-    /// The indices of places in shade that shadow maps lose: the blocker is lower than two texels.
-    /// If there are many places or lights, only some of the places are checked.
+    /// The indices of places in shade that shadow maps miss, since the blocker is lower than two
+    /// texels. If there are many places or lights, only some places are checked.
     pub fn in_lost_shade(
         &self,
         scene: &Scene,
@@ -131,7 +131,7 @@ impl Places {
         if self.is_luminance() {
             return Vec::new();
         }
-        // Finer maps light sensors only if they surround cascades.
+        // Sensors use the finer maps only if those belong to cascades.
         let squares = if maps.reach_m.is_some() { maps.squares } else { 0 };
         let maps = ShadowMapFineness { squares, ..maps };
         let (bounds, middle) = (scene.bounds(), middle(&self.at));
@@ -333,7 +333,7 @@ fn table(
             _ => {
                 let direction = vector(directions)?;
                 let zero = || refuse(format!("line {line_number}: its direction is zero"));
-                // Keep its length, unless the square of it is too large or small for an f32.
+                // Keep the direction's length, unless its square overflows or underflows an f32.
                 let unit = direction.try_normalize().ok_or_else(zero)?.as_vec3();
                 direction.as_vec3().try_normalize().map_or(unit, |_| direction.as_vec3())
             }
@@ -372,7 +372,7 @@ fn decoded(bytes: &[u8]) -> Result<String, String> {
 }
 
 /// Splits a line into fields, without their quotation marks and the blanks around them. An empty
-/// last field is dropped. If blanks separate, there are no empty fields.
+/// last field is dropped. Between blanks there are no empty fields.
 fn fields(line: &str, separator: char) -> Vec<String> {
     if separator == ' ' {
         return line.split_whitespace().map(|field| field.trim_matches('"').to_owned()).collect();

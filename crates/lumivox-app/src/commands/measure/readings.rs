@@ -27,7 +27,7 @@ pub struct Reading {
     pub standard_error: Option<f32>,
     /// The direct light of lamps and suns; `None` for luminance.
     pub direct: Option<f32>,
-    /// The open share of the hemisphere; `None` for luminance.
+    /// The unoccluded share of the hemisphere; `None` for luminance.
     pub openness: Option<f32>,
 }
 
@@ -78,7 +78,7 @@ impl Task<'_> {
         Ok(mean.iter().map(reading).collect())
     }
 
-    /// Gathers the light at places and towards directions by cones.
+    /// Gathers the light at each place in its direction by cones.
     ///
     /// # Errors
     /// When the device fails, or the user stops it.

@@ -19,13 +19,13 @@ pub struct Report<'a> {
     pub what: String,
     /// The unit of readings.
     pub unit: &'static str,
-    /// Columns and rows.
+    /// Columns and rows of a workplane or a picture.
     pub size: Option<[u32; 2]>,
     /// `cones` or `paths`.
     pub method: &'static str,
-    /// Frames of cones.
+    /// Averaged frames; `None` with paths.
     pub frames: Option<u32>,
-    /// Samples of paths.
+    /// Samples of a place; `None` with cones.
     pub samples: Option<u32>,
     /// The figures of all readings.
     pub summary: Summary,
@@ -33,9 +33,9 @@ pub struct Report<'a> {
     pub seconds: f64,
     /// The GPU.
     pub adapter: AdapterReport,
-    /// The places that lie inside of solids, by their numbers.
+    /// Numbers of the places inside solids.
     pub inside: Vec<usize>,
-    /// The places in shade that shadow maps lose, by their numbers.
+    /// Numbers of the places in shade that shadow maps miss.
     pub in_lost_shade: Vec<usize>,
     /// The remedy for lost shade, a sentence.
     pub shade_remedy: &'static str,
@@ -46,7 +46,7 @@ pub struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// The columns of readings that are known, each with its name and its values.
+    /// The columns that have readings, each with its name and values.
     fn columns(&self) -> Vec<(String, Vec<Option<f32>>)> {
         let name = if self.unit == "lux" { "lux" } else { "cd_m2" };
         let each = |of: fn(&Reading) -> Option<f32>| self.readings.iter().map(of).collect();
@@ -142,7 +142,7 @@ impl Report<'_> {
         text
     }
 
-    /// The figures, and up to twenty readings of points or rays, for people.
+    /// The figures and up to twenty readings of points or rays, as text.
     pub fn text(&self, files: &[PathBuf]) -> String {
         const MOST: usize = 20;
         let mut text =

@@ -25,8 +25,8 @@ pub struct RenderJob<'a> {
 }
 
 impl RenderJob<'_> {
-    /// `true` if pictures may have fewer frames than the settings say: `--frames` is not given, and
-    /// each frame gathers its light again.
+    /// `true` if a picture may stop before the settings' frames: `--frames` is not given, and each
+    /// frame gathers its light again.
     pub fn may_stop(&self) -> bool {
         let settings = &self.settings;
         let is_given = self.args.given().iter().any(|(parameter, _)| parameter.name == "frames");

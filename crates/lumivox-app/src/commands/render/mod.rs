@@ -32,11 +32,11 @@ use job::RenderJob;
 /// Renders, writes and reports.
 ///
 /// # Errors
-/// When anything that the arguments ask for cannot be done; the message says what.
+/// When any step fails; the message says which.
 pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> {
     let is_asked = asks_for_sequence(args);
     let is_meant = FrameFiles::is_meant(&args.output, is_asked);
-    // A name with # means one picture if nothing moves, which is known once the scene is loaded.
+    // A name with # means one picture if nothing moves; only the loaded scene shows that.
     let may_be_one = !is_asked && FrameFiles::is_pattern(&args.output);
     if (is_meant || is_asked) && !may_be_one {
         FrameFiles::new(&args.output)?.check()?;
@@ -83,7 +83,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
     };
     let sight = Sight::of(&scene, &sight, &framing);
     scene.light_up(&sight);
-    // For a million triangles it holds 130 MB.
+    // `framing` takes 130 MB for a million triangles.
     drop(framing);
     settings::expose_for_look(&mut settings, &args.given(), &scene);
     clock.seconds.loading = clock.lap();
@@ -122,7 +122,7 @@ pub fn run(args: &RenderArgs, verbosity: u8, host: &Host) -> anyhow::Result<()> 
     still::run(stage, &camera, &args.output)
 }
 
-/// Whether options other than the output make it a sequence.
+/// Whether options other than the output request a sequence.
 fn asks_for_sequence(args: &RenderArgs) -> bool {
     let timeline = &args.timeline;
     if timeline.pictures.is_some() {

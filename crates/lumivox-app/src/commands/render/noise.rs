@@ -1,4 +1,4 @@
-//! The noise of a mean of frames, which decides when a picture needs no more of them.
+//! The noise of a mean of frames; a picture with little noise needs no more frames.
 
 use std::ops::ControlFlow;
 
@@ -10,12 +10,12 @@ use lumivox_render::{Picture, RenderProgress, Renderer};
 const ENOUGH: f32 = 0.04;
 /// The edge of a block, pixels: viewers see noise over several pixels together.
 const BLOCK: usize = 8;
-/// Blocks darker than this share of the median block's luminance count as that bright: noise in the
-/// dark is invisible.
+/// Least luminance that block errors are relative to, as a share of the median block's: noise in
+/// the dark is invisible.
 const DARK: f32 = 0.1;
 
-/// Renders the frames of the settings, or fewer if `may_stop` and the noise is low; the noise is
-/// returned only in that case. `None` if `tell` breaks between two frames.
+/// Renders the frames of the settings; fewer if `may_stop` and the noise is low, and only then
+/// returns the noise. `None` if `tell` breaks between two frames.
 ///
 /// # Errors
 /// When the device fails.
@@ -49,7 +49,8 @@ pub fn render(
 /// them: the variance of that difference is the variance of the mean itself.
 #[derive(Debug, Default)]
 struct NoiseMeter {
-    /// The luminance of the last mean, after 2, 4, 8, ... frames, to compare the next one with.
+    /// The luminance of the last mean, after 2, 4, 8, ... frames; the next mean is compared with
+    /// it.
     half: Option<Vec<f32>>,
 }
 

@@ -31,7 +31,7 @@ pub struct Report {
     /// Noise at which rendering stopped early: the relative error that 95 % of the picture's blocks
     /// stay below. `None` if all frames were rendered.
     noise: Option<f32>,
-    /// Exposure in stops; with `auto` the metered one. `None` for views without exposure.
+    /// Exposure in stops, metered if `auto`. `None` for views without exposure.
     exposure: Option<f32>,
     /// Notes on what was chosen for the scene, and on problems with its light.
     notes: Vec<NoteReport>,
@@ -73,7 +73,7 @@ impl NoteReport {
     }
 }
 
-/// The content of the GPU's memory after a picture.
+/// The voxels, memory and GPU times of a renderer after a picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct RendererReport {
     pub grid: GridReport,
@@ -81,12 +81,12 @@ pub struct RendererReport {
     pub voxels: u32,
     /// Faces: lobes of voxels that have surface.
     pub faces: u32,
-    /// Only with a budget of geometry.
+    /// `None` without a budget of geometry.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub geometry: Option<GeometryReport>,
     pub memory: Vec<MemoryReport>,
     pub memory_bytes: u64,
-    /// Times on the GPU in milliseconds; for passes of frames the mean of a frame.
+    /// GPU times in ms; for passes of frames the mean per frame.
     #[serde(flatten)]
     pub times: TimesReport,
 }

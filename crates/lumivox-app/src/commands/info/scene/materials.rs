@@ -10,19 +10,19 @@ pub struct MaterialReport {
     pub name: String,
     /// `metallic-roughness`, `Phong` or `unlit`.
     kind: &'static str,
-    /// Base, diffuse or shown colour, linear RGB.
+    /// Base colour, diffuse colour (Phong) or shown colour (unlit), linear RGB.
     color: [f32; 3],
-    /// From 0 to 1; `None` for Phong and unlit.
+    /// Metallic factor, 0 to 1; `None` for Phong and unlit.
     metallic: Option<f32>,
     roughness: Option<f32>,
-    /// Radiance, cd/m².
+    /// Emitted radiance, cd/m².
     emissive: [f32; 3],
     /// `opaque`, `mask` or `blend`.
     alpha: &'static str,
-    /// The alpha at which a masked surface begins.
+    /// The least alpha at which a masked surface is visible.
     alpha_cutoff: Option<f32>,
     double_sided: bool,
-    /// From 0 to 1.
+    /// Clearcoat factor, 0 to 1.
     clearcoat: f32,
     transmission: f32,
     has_sheen: bool,
@@ -47,9 +47,9 @@ pub struct TextureReport {
     height: u32,
     /// Bytes of the finest level, in main memory.
     bytes: u64,
-    /// The roles that it has in materials; none if it is unused.
+    /// The texture's roles in materials; empty if it is unused.
     roles: Vec<&'static str>,
-    /// The number of materials that use it.
+    /// Number of materials that use the texture.
     materials: usize,
 }
 

@@ -27,18 +27,18 @@ const MOST_ROWS: usize = 50;
 pub struct Report {
     #[serde(flatten)]
     counts: SceneCounts,
-    /// Static triangles, which do not move.
+    /// Triangles of static instances.
     static_triangles: usize,
     static_instances: usize,
     dynamic_triangles: usize,
     dynamic_instances: usize,
-    /// Hidden instances. Of the other counts of instances, only those of `mesh_list` include them.
+    /// Hidden instances. Only the counts in `mesh_list` include them, too.
     hidden_instances: usize,
-    /// Instances that are drawn but not in the voxels.
+    /// Instances that are drawn but not voxelized.
     unvoxelized_instances: usize,
-    /// Vertices of all meshes, each once.
+    /// Vertices of all meshes, each mesh counted once.
     vertices: usize,
-    /// The corners of the box around everything, m; null if nothing is shown.
+    /// The corners of the box around all shown instances, m; null if there are none.
     bounds_min: Option<[f64; 3]>,
     bounds_max: Option<[f64; 3]>,
     /// The program that wrote the file.
@@ -64,7 +64,7 @@ pub struct Report {
     cameras: Vec<CameraReport>,
     /// The camera that is used by default.
     default_camera: CameraReport,
-    /// The light that is added; `None` if the scene's own is enough.
+    /// The light that is added by default; `None` if the scene has enough.
     default_light: Option<String>,
     /// The view and the light that were chosen, with the reasons.
     sight: Vec<String>,
@@ -72,7 +72,7 @@ pub struct Report {
     #[serde(skip)]
     coarse: Option<String>,
     animations: Vec<AnimationReport>,
-    /// Bytes in main memory.
+    /// Bytes of all vertices in main memory.
     vertex_bytes: u64,
     texture_bytes: u64,
     /// The resolution for which memory on the GPU is estimated.
@@ -82,7 +82,7 @@ pub struct Report {
     /// Estimated memory on the GPU, without the picture.
     memory: Vec<MemoryReport>,
     memory_bytes: u64,
-    /// Triangles of no area that were removed.
+    /// Triangles without area, which were removed.
     degenerate_triangles: usize,
     warnings: Vec<String>,
 }
@@ -92,7 +92,7 @@ struct MeshReport {
     name: String,
     triangles: usize,
     vertices: usize,
-    /// Instances of it, hidden ones included.
+    /// Instances of the mesh, including hidden ones.
     instances: usize,
     texture_coordinates: u32,
     has_colors: bool,
@@ -108,7 +108,7 @@ impl Report {
     /// Examines a scene.
     ///
     /// # Errors
-    /// When the voxels' settings are impossible for it.
+    /// When the voxels' settings do not fit the scene.
     pub fn new(scene: &Scene, settings: &RenderSettings) -> anyhow::Result<Self> {
         let estimate = MemoryEstimate::new(scene, settings)?;
         let parts = estimate.parts.iter().filter(|part| part.name != "picture").cloned();

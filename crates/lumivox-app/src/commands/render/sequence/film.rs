@@ -1,7 +1,8 @@
 //! One renderer for all pictures of a sequence.
 //!
-//! With [`History::Kept`] it works like the window's renderer: the next frame shows what has moved,
-//! and reuses light of earlier frames. With [`History::None`] there is a cut before each picture.
+//! With [`History::Kept`] it works like the window's renderer: objects move from frame to frame,
+//! and frames reuse light of earlier ones. With [`History::None`] each picture starts without
+//! history.
 
 use lumivox_render::{Exposure, Picture, RenderProgress, RenderSettings, Renderer};
 use lumivox_scene::{Camera, Places};
@@ -17,9 +18,9 @@ pub struct Film {
     shown: Option<(Renderer, Places)>,
 }
 
-/// A picture's place among those to be rendered.
+/// A picture's place in the progress.
 pub struct Step<'a> {
-    /// The name of the work in the progress.
+    /// The name of the stage.
     pub stage: &'static str,
     pub progress: &'a ProgressDisplay,
     /// Pictures before this one.
@@ -28,8 +29,8 @@ pub struct Step<'a> {
 }
 
 impl Film {
-    /// Shows the job's scene in its current pose, from a camera. The first scene is prepared; later
-    /// ones may differ only in their pose.
+    /// Shows the job's scene in its current pose, from a camera. Later scenes may differ from the
+    /// first only in their pose.
     ///
     /// # Errors
     /// When something does not fit the device, or the device fails.
@@ -117,8 +118,8 @@ impl Film {
     }
 }
 
-/// The settings of the renderer. With [`History::Kept`] there are at least two frames: with one,
-/// every picture would sample the middles of pixels, and edges would never become smooth.
+/// The settings of the renderer. With [`History::Kept`] there are at least two frames: one frame
+/// always samples the middles of pixels, so edges would stay jagged.
 fn film_settings(job: &RenderJob<'_>, history: History) -> RenderSettings {
     let frames = job.settings.frames;
     let frames = if history == History::Kept { frames.max(2) } else { frames };
@@ -126,7 +127,7 @@ fn film_settings(job: &RenderJob<'_>, history: History) -> RenderSettings {
 }
 
 impl Step<'_> {
-    /// Reports the progress of a preparation; only that of the first picture takes long.
+    /// Reports the progress of preparing a scene; only the first takes long.
     fn prepares(&self, progress: RenderProgress) {
         match self.done {
             0 => self.progress.set(words(progress.stage), progress.done, progress.total),

@@ -32,7 +32,7 @@ const METERED: u64 = 5;
 /// Renders the missing pictures, and reports.
 ///
 /// # Errors
-/// When the existing pictures do not fit, or the device or the disk fails.
+/// When existing pictures have other settings, or the device or the disk fails.
 pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<()> {
     let PictureTimes::Sequence(moments) = stage.schedule.times.clone() else {
         anyhow::bail!("a sequence without moments")
@@ -82,8 +82,8 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
         film = begun(&mut stage, &moments)?;
     }
     let mut metering: Option<Metering> = None;
-    // With kept light, a picture depends on all before it, so a stopped sequence starts again at
-    // the first.
+    // With history, a picture depends on all before it, so a stopped sequence restarts at the
+    // first.
     let numbers: Vec<u32> = match (history, missing.last()) {
         (History::Kept, Some(&last)) => (0..=last).collect(),
         _ => missing.clone(),
@@ -151,9 +151,9 @@ pub fn run(mut stage: RenderJob<'_>, path: Option<&PathFile>) -> anyhow::Result<
     stage.host.print(&report.text(stage.is_verbose))
 }
 
-/// The exposure of all pictures: the median over some of them, spread over the sequence and
-/// rendered roughly. A single picture might only show a wall. Also returns the renderer used;
-/// `None` if it was stopped.
+/// The exposure of all pictures: the median over a few, spread over the sequence and rendered
+/// roughly, since a single picture might only show a wall. Also returns the renderer used; `None`
+/// if the user stopped it.
 fn meter(stage: &mut RenderJob<'_>, moments: &Moments) -> anyhow::Result<Option<(Film, f32)>> {
     let mut numbers: Vec<u32> = (0..METERED)
         .map(|i| (u64::from(moments.count) * (2 * i + 1) / (2 * METERED)) as u32)
@@ -176,8 +176,8 @@ fn meter(stage: &mut RenderJob<'_>, moments: &Moments) -> anyhow::Result<Option<
     Ok(Some((film, median(stops))))
 }
 
-/// A film that has shown the first picture's scene, whichever picture is rendered next: a renderer
-/// takes its unit of radiance from its first scene, and all runs must have the same unit.
+/// A film that has shown the first picture's scene, even if another picture is rendered first: the
+/// first scene sets a renderer's unit of radiance, and all runs must have the same unit.
 fn begun(stage: &mut RenderJob<'_>, moments: &Moments) -> anyhow::Result<Film> {
     let time_s = moments.time_s(0);
     stage.schedule.pose(&mut stage.scene, time_s)?;
@@ -194,7 +194,7 @@ fn median(mut values: Vec<f32>) -> f32 {
     values.get(values.len() / 2).copied().unwrap_or_default()
 }
 
-/// Whether pictures depend on those before them; they never do without temporal tracing.
+/// The requested history; [`History::None`] without temporal tracing.
 fn history_of(stage: &RenderJob<'_>) -> History {
     if stage.settings.trace.temporal { stage.args.timeline.history } else { History::None }
 }
