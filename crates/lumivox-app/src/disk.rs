@@ -33,7 +33,7 @@ impl Outside for Disk {
             return Ok(source);
         }
         let known = scenes(&folders);
-        // Names without their prefix are compared, too.
+        // Also compare names without their prefix.
         let short = |known: &str| known.strip_prefix("builtin:").unwrap_or(known).to_owned();
         let shorts: Vec<String> = known.iter().map(|known| short(known)).collect();
         let like = suggest::like(&short(name), shorts.iter().map(String::as_str));

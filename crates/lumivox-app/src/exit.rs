@@ -24,7 +24,7 @@ pub enum Exit {
     Usage = 2,
     /// A scene is broken, or a value out of range.
     Input = 3,
-    /// No suitable GPU, or one that is too small; or no display.
+    /// There is no suitable GPU, the GPU is too small, or there is no display.
     Gpu = 4,
     /// The output cannot be written.
     Output = 5,
@@ -114,7 +114,7 @@ pub fn of_error(error: &anyhow::Error) -> Exit {
         if let Some(error) = cause.downcast_ref::<RenderError>() {
             return of_render_error(error);
         }
-        // `source` of this error skips the wrapped one.
+        // `source` of this error skips the wrapped error.
         match cause.downcast_ref::<ExplorerError>() {
             Some(ExplorerError::Render(error)) => return of_render_error(error),
             Some(ExplorerError::Scene(error)) => return of_scene_error(error),

@@ -53,8 +53,8 @@ impl Lock {
                 }
                 Err(TryLockError::Error(error)) => return Err(fail(&error)),
             }
-            // The previous owner may have removed the file after it was opened here; this lock is
-            // then worthless.
+            // The previous owner may have removed the file after it was opened here; a lock on it
+            // is then worthless.
             if is_at(&file, &hidden) {
                 return Ok(Self { path: hidden, file });
             }
@@ -64,8 +64,8 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // Remove the file while it is locked, or another process's file could be removed. A file
-        // left behind does no harm.
+        // Remove the file while it is locked: afterwards it could be another process's. A file left
+        // behind does no harm.
         let _ = std::fs::remove_file(&self.path);
         let _ = self.file.unlock();
     }

@@ -19,7 +19,7 @@ use crate::host::Host;
 #[must_use]
 pub fn start(verbosity: u8, tells_warnings: bool, host: &Host) -> Option<DefaultGuard> {
     // wgpu's crates log quirks of drivers that the user cannot change. The command's own error
-    // reports the first GPU error; -v adds those that follow from it.
+    // reports the first GPU error; -v adds later ones.
     let default = match verbosity {
         0 if tells_warnings => "error,lumivox_render::gpu=off",
         0 => "warn,lumivox_render::gpu=off,wgpu_core=error,wgpu_hal=error,naga=error",

@@ -13,7 +13,7 @@ pub fn of_args(args: &ExploreArgs) -> Option<SceneRequest> {
     Some(SceneRequest { camera: args.picture.camera.clone(), ..of(args, source) })
 }
 
-/// The request for another scene, with the options of the command line.
+/// The request for the scene `source`, with the options of the command line.
 pub fn of(args: &ExploreArgs, source: SceneSource) -> SceneRequest {
     SceneRequest {
         source,

@@ -46,7 +46,7 @@ pub fn run<P: Program>(args: impl IntoIterator<Item = OsString>, host: &Host) ->
     }
 }
 
-/// Runs the process of a program by a function such as [`crate::run`]. Nothing may run before it.
+/// Runs a program as its process, by a function such as [`crate::run`]. Nothing may run before it.
 pub fn main(run: impl FnOnce(std::env::ArgsOs, &Host) -> Exit) -> ExitCode {
     #[cfg(target_os = "linux")]
     do_without_a_desktop();

@@ -26,9 +26,9 @@ const PARTS: f64 = 1000.0;
 /// Shows the progress of work until it is dropped.
 #[derive(Debug)]
 pub struct ProgressDisplay {
-    /// The prefix is the stage, the message the steps. It has a length only with several steps.
+    /// Its prefix is the stage, its message the steps; it has a length only with several steps.
     bar: ProgressBar,
-    /// The thread that shows the bar, until the channel is closed.
+    /// The thread that shows the bar; it ends when the channel is closed.
     shown: Option<(Sender<()>, JoinHandle<()>)>,
     stop: Arc<AtomicBool>,
 }
@@ -94,13 +94,13 @@ impl ProgressDisplay {
 
     fn change(&self, stage: &'static str, steps: String, done: f64, total: f64) {
         let bar = &self.bar;
-        // A new stage, or one that restarts, restarts the time.
+        // Restart the time if the stage is new or restarts.
         let position = (done * PARTS) as u64;
         if bar.prefix() != stage || position < bar.position() {
             bar.set_prefix(stage);
             bar.reset();
         }
-        // A stage of one step has no count.
+        // A stage of one step does not show a count.
         let has_steps = total > 1.0;
         if has_steps != bar.length().is_some() {
             bar.set_style(style(has_steps));
@@ -157,7 +157,7 @@ pub fn words(stage: &'static str) -> &'static str {
     }
 }
 
-/// Runs on the thread: shows the bar until the work is done.
+/// Body of the thread: shows the bar until the work is done.
 fn show(bar: &ProgressBar, host: &Host, over: &Receiver<()>) {
     let lasts = |time| over.recv_timeout(time) == Err(RecvTimeoutError::Timeout);
     if !host.has_terminal_for_errors() || host.bars().is_hidden() {
@@ -216,7 +216,7 @@ mod tests {
         assert_eq!(watch.share(), Some(0.5));
         progress.set_within("frame", 8, 16, 0.5);
         assert_eq!(watch.share(), Some(8.5 / 16.0));
-        // The second of several pictures restarts the time.
+        // Restarting the stage, as for a second picture, restarts the time.
         std::thread::sleep(Duration::from_millis(20));
         progress.set("frame", 4, 16);
         assert!(watch.0.elapsed() < Duration::from_millis(20));

@@ -22,7 +22,7 @@ pub fn of(preset: PresetChoice, size: UVec2, given: &[Given]) -> Result<RenderSe
         }
     };
     let physical = RenderSettings { size, ..RenderSettings::default() };
-    // First only the resolution, on which the cones of a look may depend.
+    // Set the resolution first: a look's cones may depend on it.
     let mut settings = physical.clone();
     take(&mut settings);
     settings = RenderSettings { resolution: settings.resolution, ..physical };
@@ -62,7 +62,7 @@ pub fn of_voxels(args: &SettingArgs<VolumeGroups>) -> Result<RenderSettings, Fai
     of(PresetChoice::default(), RenderSettings::default().size, args.given())
 }
 
-/// Whether a value may be stored less exactly than it is given.
+/// Whether storing a value may round it.
 fn is_rounded(value: Value) -> bool {
     matches!(value, Value::Number(_))
 }

@@ -1,4 +1,4 @@
-//! Choices among a few names, each explained in the help.
+//! Options with a few named values, each explained in the help.
 
 use clap::builder::TypedValueParser;
 use lumivox_console::values::choices::among;

@@ -101,7 +101,7 @@ fn every_choice_is_explained() {
 /// options.
 #[test]
 fn numbers_out_of_range_are_bad_input_everywhere() {
-    // Built once: that takes longer than to parse a line.
+    // Built once: building takes longer than parsing a line.
     let mut root = Cli::command();
     root.build();
     let mut is_usage = |command: &Definition, option: &str, value: &str| {

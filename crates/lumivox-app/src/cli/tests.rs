@@ -124,7 +124,7 @@ fn the_vxct_preset_sets_related_settings_unless_overridden() {
     };
     assert_eq!(settings(&args_of(told)), explicit);
 
-    // For a scene in physical units the look chooses exposure and curve, unless they are given.
+    // In physical units, the look sets exposure and curve unless they are given.
     let scene = lumivox_scene::builtin::scene("cornell").unwrap();
     let shown = |options: &str, scene: &lumivox_scene::Scene| {
         let args = args_of(options);
@@ -171,7 +171,7 @@ fn option_ranges_match_those_of_the_renderer() {
     ] {
         assert_eq!(valid(option, value), None, "{option} {value}");
     }
-    // The parser accepts these; the check against the GPU's limits does not.
+    // The parser accepts these; the check against the GPU's limits rejects them.
     assert_eq!(valid("--shadow-resolution", "16384"), Some(false));
     assert_eq!(valid("--size", "16384x1"), Some(false));
 }

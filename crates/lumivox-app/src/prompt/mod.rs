@@ -1,4 +1,4 @@
-//! A prompt on a terminal: line editing, a saved history, completion, hints.
+//! A prompt on a terminal with line editing, a saved history, completion and hints.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,7 +18,7 @@ use crate::host::Host;
 
 /// The text of the prompt.
 const PROMPT: &str = "lumivox> ";
-/// The most lines of the history.
+/// Maximum lines of the history.
 const HISTORY: usize = 1000;
 
 /// The line editor's helper: completion and hints.
@@ -49,7 +49,7 @@ impl Completer for Assistant {
 impl Hinter for Assistant {
     type Hint = String;
 
-    /// The arguments of a command, once its name and a space are typed.
+    /// A command's arguments, once its name and a space are typed.
     fn hint(&self, text: &str, cursor: usize, _: &Context<'_>) -> Option<String> {
         let commands = begun(text);
         let words = commands.last().filter(|words| words.len() == 1 && cursor == text.len())?;
@@ -92,7 +92,7 @@ impl Prompt {
         editor.set_helper(Some(Assistant { names: names.clone() }));
         let history = history_file();
         if let Some(file) = &history {
-            // On the first run the file does not exist.
+            // The file does not exist on the first run.
             let _ = editor.load_history(file);
         }
         Ok(Self { editor, names, history })

@@ -1,4 +1,4 @@
-//! A picture to draw on: rectangles, pictures, text.
+//! A picture on which rectangles, pictures and text are drawn.
 
 use ab_glyph::{Font as _, FontRef, Glyph, Point, PxScale, ScaleFont as _, point};
 use image::{Rgb, RgbImage, imageops};
@@ -6,11 +6,11 @@ use image::{Rgb, RgbImage, imageops};
 /// The alignment of text at a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Align {
-    /// It begins there.
+    /// Text begins at the position.
     Left,
-    /// Its middle is there.
+    /// Text is centred at the position.
     Center,
-    /// It ends there.
+    /// Text ends at the position.
     Right,
 }
 

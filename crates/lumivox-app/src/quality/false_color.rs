@@ -19,9 +19,9 @@ const DIM: Rgb<u8> = Rgb([178, 178, 184]);
 /// Readings of light, for a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct FalseColor<'a> {
-    /// The first line.
+    /// The first line of text.
     pub title: &'a str,
-    /// The second line.
+    /// The second line of text.
     pub figures: &'a str,
     /// The readings, row by row from the top.
     pub values: &'a [f32],
@@ -29,7 +29,7 @@ pub struct FalseColor<'a> {
     pub size: UVec2,
     /// The unit at the scale, such as lux.
     pub unit: &'a str,
-    /// The readings at the ends of the scale; `None` is 0 to the greatest.
+    /// The readings at the ends of the scale; `None`: from 0 to the greatest reading.
     pub range: Option<(f32, f32)>,
 }
 
@@ -43,8 +43,8 @@ pub fn false_color_png(light: &FalseColor<'_>) -> Result<Vec<u8>, ImageError> {
     Ok(bytes)
 }
 
-/// Draws readings and a scale in the colours viridis (van der Walt and Smith 2015), whose
-/// brightness grows evenly. Readings beyond the ends of the scale have the colours of its ends.
+/// Draws readings and a scale in the colour map viridis (van der Walt and Smith 2015), whose
+/// brightness grows evenly. Readings beyond the scale have the colours of its ends.
 fn false_color(light: &FalseColor<'_>) -> RgbImage {
     let (low, high) = light.range.unwrap_or_else(|| {
         let greatest = light.values.iter().copied().filter(|value| value.is_finite());
@@ -63,7 +63,7 @@ fn false_color(light: &FalseColor<'_>) -> RgbImage {
     let (bar, labels) = (22, 92);
     let top = 2 * gap + 2 * line;
     let all = (width + 3 * gap + bar + labels).max(480);
-    // Beside a flat field, the scale still needs height for its labels.
+    // Even beside a low field, the scale needs height for its labels.
     let bar_height = height.max(140);
     let mut canvas = Canvas::new(all, top + bar_height + gap + line, BACKGROUND);
     canvas.text(light.title, gap, gap, 1.2 * text, Align::Left, BRIGHT);
@@ -146,7 +146,7 @@ mod tests {
         };
         let colorous::Color { r, g, b } = colorous::VIRIDIS.eval_continuous(0.5);
         assert_eq!(at(1, 0), [r, g, b]);
-        // 100 and above have the colour at the top of the scale.
+        // Readings of 100 and more have the colour at the top of the scale.
         let top = image.get_pixel(14 + 2 * edge + 14 + 3, 72).0;
         assert_eq!((at(0, 1), at(1, 1)), (top, top));
         let bottom = image.get_pixel(14 + 2 * edge + 14 + 3, 72 + 2 * edge - 1).0;

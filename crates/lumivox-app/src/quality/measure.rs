@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use super::Row;
 use crate::progress::{ProgressDisplay, words};
 
-/// The names of cameras in two rooms between which light may leak.
+/// Names of the cameras in two rooms, to measure light that leaks between them.
 const DARK_ROOM: &str = "dark room";
 const LIT_ROOM: &str = "lit room";
 /// Samples per pixel for the mean of the lit room.
@@ -42,7 +42,7 @@ pub struct Subject<'a> {
 pub struct Measured {
     /// The mean over grid positions.
     pub figures: LayerFigures,
-    /// Light through walls; `None` unless the scene has two rooms.
+    /// Light that leaks through walls; `None` unless the scene has two rooms.
     pub leak: Option<Leak>,
     /// The cost at the first grid position.
     pub cost: Cost,
@@ -54,9 +54,9 @@ pub struct Measured {
 /// Light in a dark room that came through its walls, in percent of the light in the room next door.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Leak {
-    /// After one bounce.
+    /// Leak after one bounce.
     pub one_bounce_percent: f64,
-    /// After all bounces.
+    /// Leak after all bounces.
     pub full_percent: f64,
 }
 
@@ -68,14 +68,14 @@ pub struct Truth {
     one_bounce: LinearPicture,
     full: LinearPicture,
     picture: LinearPicture,
-    /// Traced on first use.
+    /// References of the two rooms, traced on first use.
     rooms: OnceCell<Option<Rooms>>,
 }
 
 /// The reference of a scene: read from `file` if it exists, else traced and written there.
 ///
 /// # Errors
-/// When the file shows something else or has fewer samples, and when tracing or writing fails.
+/// When the file belongs to another scene or has fewer samples, or tracing or writing fails.
 pub fn reference(
     subject: &Subject<'_>,
     settings: ReferenceSettings,
@@ -162,10 +162,10 @@ fn offset(first: Vec3, index: u32) -> Vec3 {
     (first + Vec3::new(0.819_172_5, 0.671_043_6, 0.549_700_5) * index as f32).fract()
 }
 
-/// The references of two rooms between which light may leak.
+/// The references of the two rooms.
 #[derive(Clone, Debug)]
 struct Rooms {
-    /// The dark room's; `None` if the subject's camera is in the dark room.
+    /// Reference of the dark room; `None` if the subject's camera is in it.
     dark: Option<Box<Truth>>,
     lit: Box<Truth>,
 }

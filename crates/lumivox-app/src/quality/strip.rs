@@ -14,8 +14,7 @@ use super::canvas::{Align, Canvas};
 /// The relative error at the ends of the colour scale; larger errors have the colour of the end.
 const SCALE_END: f64 = 0.5;
 
-/// The width in pixels to which small pictures are enlarged, so that the text beside them can be
-/// read.
+/// Target width of enlarged small pictures, px, so that the text beside them is readable.
 const LEAST_WIDTH: u32 = 360;
 /// The greatest height of an enlarged picture, in pixels.
 const MOST_ENLARGED_HEIGHT: u32 = 1440;
@@ -40,7 +39,7 @@ pub struct Row<'a> {
 /// Draws a row for each comparison: the reference, ours, and the signed error as colours.
 ///
 /// Both pictures of a row have the automatic exposure of its reference and the curve
-/// [`Neutral`](lumivox_render::ToneMap::Neutral). The error is that of [`relative_errors`]. Small
+/// [`Neutral`](lumivox_render::ToneMap::Neutral). [`relative_errors`] gives the errors. Small
 /// pictures are enlarged by an integer factor.
 ///
 /// # Errors
@@ -216,7 +215,7 @@ mod tests {
 
     #[test]
     fn the_strip_shows_reference_ours_and_error() {
-        // Three pixels: right, too dark by half, too bright by half.
+        // Three pixels: correct, too dark by half, too bright by half.
         let size = UVec2::new(3, 1);
         let reference = picture(size, |_| 2.0);
         let ours = picture(size, |i| [2.0, 1.0, 3.0][i as usize]);

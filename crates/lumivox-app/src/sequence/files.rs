@@ -135,7 +135,7 @@ impl FrameFiles {
         Ok(())
     }
 
-    /// Checks that files can be written there. A missing folder is made later, with the first
+    /// Checks that files can be written in the folder. If it is missing, it is made with the first
     /// picture.
     ///
     /// # Errors
@@ -224,7 +224,7 @@ mod tests {
             assert!(!FrameFiles::is_pattern(name) && FrameFiles::is_meant(name, false));
             assert_eq!(FrameFiles::new(name).unwrap().index(), name.join("index.json"));
         }
-        // A bare name could be a picture's without its extension.
+        // A bare name could be a picture's name without its extension.
         assert!(!FrameFiles::is_meant(Path::new("walk"), false));
         assert!(FrameFiles::is_meant(Path::new("walk"), true));
     }

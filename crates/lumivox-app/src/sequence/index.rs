@@ -1,8 +1,8 @@
 //! The index of a sequence: its finished pictures, their content, and their settings.
 //!
 //! The index is written atomically after each picture. Whenever the program is stopped, the index
-//! and the files that it lists are complete, and the same command resumes. Other settings are
-//! refused: their pictures would not match the existing ones.
+//! and the files that it lists are complete, and the same command resumes. Different settings are
+//! an error: their pictures would not match the existing ones.
 
 use std::io::Write as _;
 use std::ops::Range;
@@ -62,7 +62,7 @@ pub struct Start {
 impl Index {
     /// An index without pictures.
     pub fn new(frame_count: u32, settings: Map<String, Value>) -> Self {
-        // Store what will be read back: the last digit of a number may change.
+        // Round-trip through JSON: the last digit of a number may change.
         let text = Value::Object(settings).to_string();
         let settings = serde_json::from_str(&text).unwrap_or_default();
         Self { frame_count, settings, exposure: None, adapter: String::new(), frames: Vec::new() }
@@ -134,8 +134,8 @@ impl Index {
         self.write(files)
     }
 
-    /// Writes the index. It must exist before the first picture, so that the same command resumes
-    /// whenever the program was stopped.
+    /// Writes the index. It must exist before the first picture, so that a run can resume whenever
+    /// it was stopped.
     ///
     /// # Errors
     /// A [`Failure`] of output.
@@ -153,7 +153,7 @@ impl Index {
     fn remove_pictures(&self, files: &FrameFiles) {
         for frame in &self.frames {
             if frame.file == files.name(frame.number) {
-                // A file that cannot be removed will be replaced.
+                // Ignore errors: the file will be replaced.
                 let _ = std::fs::remove_file(files.path(frame.number));
             }
         }

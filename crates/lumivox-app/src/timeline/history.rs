@@ -1,14 +1,14 @@
-//! The light that a picture of a sequence takes over from those before it.
+//! The light that pictures of a sequence reuse from earlier ones.
 
 use clap::builder::TypedValueParser;
 use lumivox_console::values::choices::among;
 
-/// The light that a picture of a sequence takes over from those before it.
+/// The light that pictures of a sequence reuse from earlier ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum History {
-    /// Light of earlier frames, if the settings keep it: pictures look as in the running window.
+    /// Light of earlier frames, if the settings keep it, as in the window.
     Kept,
-    /// Nothing: each picture is as if rendered on its own.
+    /// None: each picture is as if rendered on its own.
     None,
 }
 

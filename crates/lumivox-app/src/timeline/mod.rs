@@ -11,7 +11,7 @@ pub use moments::{MOST_PICTURES, Moments, TimeChoice, time};
 pub use path::PathFile;
 pub use schedule::{AnimationName, PictureTimes, Schedule, ScheduleOptions, animation, choose};
 
-/// The latest time, s: nearly three hours before or after 0. Scenes are posed at `f32` times, which
+/// The latest time before or after 0, s: nearly three hours. Scenes are posed at `f32` times, which
 /// still resolve milliseconds there.
 pub const LATEST_S: f64 = 1e4;
 

@@ -29,7 +29,7 @@ pub fn time(text: &str) -> Result<TimeChoice, Refused> {
         let value: f64 = text.trim().parse().map_err(|_| {
             Refused::Malformed(format!("expected {FORM}, but \"{text}\" is not a number"))
         })?;
-        // Compared this way round, NaN is refused.
+        // This comparison also rejects NaN.
         if value.abs() <= LATEST_S {
             return Ok(value);
         }
@@ -75,7 +75,7 @@ impl Moments {
             ))
             .into());
         }
-        // The tolerance keeps rounding errors from adding a picture.
+        // The tolerance prevents an extra picture by rounding errors.
         let count = ((end - start) * fps - 1e-6).ceil().max(1.0);
         if count > f64::from(MOST_PICTURES) {
             return Err(Failure::input(format!(

@@ -23,19 +23,19 @@ use serde::{Deserialize, Serialize};
 use super::spline::{MonotoneCubic, Spline};
 use crate::args::camera::{CameraChoice, DEFAULT_FOV_DEG, fit_near, resolve};
 
-/// The largest file: far above any real path, and far below a size that would be slow.
+/// The largest file, bytes: far above any real path, but fast to read.
 const MOST_BYTES: u64 = 16 << 20;
 const MOST_KEYS: usize = 10_000;
 /// The least time between two keys, s.
 const LEAST_STEP_S: f64 = 1e-6;
-/// The farthest coordinate, m; even the square is far from overflowing f32.
+/// The farthest coordinate, m; its square does not overflow an f32.
 const FARTHEST_M: f64 = 1e9;
 
 /// The keys of a file, checked as far as possible without a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathFile {
     file: PathBuf,
-    /// At least two, with increasing times.
+    /// At least two keys, with increasing times.
     pub keys: Vec<Key>,
 }
 
@@ -136,7 +136,7 @@ impl PathFile {
                 }
             };
             fov_deg = key.fov_deg.map_or(fov_deg, f64::from);
-            // A camera only has a direction: put its target at the distance of the scene's radius.
+            // A camera has no target: put it at the distance of the scene's radius.
             let target = match key.target {
                 Some(target) if key.camera.is_none() => scene.from_file(DVec3::from_array(target)),
                 _ => camera.position + camera.forward * bounds.radius_m(),
@@ -302,7 +302,7 @@ mod tests {
         assert!(second.position.distance(known.position) < 1e-5);
         assert!(second.forward.distance(known.forward) < 1e-5);
         assert!((second.vertical_fov_rad - known.vertical_fov_rad).abs() < 1e-5);
-        // Straight down, where +y does not determine the roll.
+        // Looking straight down, +y does not determine the roll.
         let last = path.at(2.0);
         assert!(last.forward.distance(Vec3::NEG_Y) < 1e-5);
         assert!(last.world_from_camera().is_finite());
@@ -325,8 +325,8 @@ mod tests {
         }
     }
 
-    /// The target of a named camera is at the distance of the scene's radius: here that is the
-    /// scene's centre.
+    /// The target of a named camera is at the distance of the scene's radius, here the scene's
+    /// centre.
     #[test]
     fn a_named_camera_has_a_target_in_the_scene() {
         let mut scene = scene();

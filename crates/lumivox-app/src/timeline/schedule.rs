@@ -16,9 +16,9 @@ use crate::args::camera::{self, CameraChoice};
 pub enum AnimationName {
     /// By its name, or else by its index from 0.
     Named(String),
-    /// All at once.
+    /// All animations at once.
     All,
-    /// None: the scene stays as in its file.
+    /// No animation: the scene stays as in its file.
     None,
 }
 
@@ -119,7 +119,7 @@ impl Schedule {
                     )
                     .into());
                 }
-                // Fail with the same error as for a range.
+                // If the motion has no end, fail as a range does.
                 if end_s.is_none() {
                     whole(0.0)?;
                 }
@@ -167,8 +167,8 @@ impl Schedule {
         Ok(())
     }
 
-    /// The box around all poses of the scene: a smaller grid would clip the motion, and a moving
-    /// grid would flicker. Leaves the scene in the last pose.
+    /// The box around all poses of the scene, for a grid that neither clips the motion nor moves,
+    /// which would flicker. Leaves the scene in the last pose.
     ///
     /// # Errors
     /// As [`Scene::pose`].
@@ -260,7 +260,7 @@ fn eye(
 fn orbit(start: &Camera, pivot: Vec3, angle_rad: f64) -> Camera {
     let turn = Mat4::from_rotation_y(angle_rad as f32);
     let arm = turn.transform_vector3(start.position - pivot);
-    // A rotation of zero must not change the camera by rounding.
+    // Avoid rounding errors in a rotation of zero.
     let position = if angle_rad == 0.0 { start.position } else { pivot + arm };
     Camera {
         name: format!("orbit of {}", start.name),

@@ -42,14 +42,14 @@ impl<T: Copy + Add<Output = T> + Mul<f64, Output = T>> Hermite<T> {
 /// A curve through points at times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
-    /// Maps times to knots; the knots are equal where the point rests.
+    /// Maps times to knots; knots are equal while the point rests.
     pace: MonotoneCubic,
-    /// Maps knots, which rise strictly, to distinct points.
+    /// Maps strictly increasing knots to distinct points.
     curve: Hermite<DVec3>,
 }
 
 impl Spline {
-    /// The curve through `points` at `times_s`, which rise strictly; both have the same length, at
+    /// The curve through `points` at strictly increasing `times_s`; both have the same length, at
     /// least one.
     pub fn new(times_s: &[f64], points: &[DVec3]) -> Self {
         let mut knot = 0.0;
@@ -78,7 +78,7 @@ impl Spline {
 }
 
 /// The derivatives of Barry and Goldman's (1988) non-uniform Catmull-Rom spline; at its ends the
-/// curve starts along the chord.
+/// curve follows the chord.
 fn tangents(points: &[DVec3], knots: &[f64]) -> Vec<DVec3> {
     let chord = |i: usize, j: usize| (points[j] - points[i]) / (knots[j] - knots[i]);
     let last = points.len() - 1;
@@ -97,7 +97,7 @@ fn tangents(points: &[DVec3], knots: &[f64]) -> Vec<DVec3> {
 pub struct MonotoneCubic(Hermite<f64>);
 
 impl MonotoneCubic {
-    /// The cubic through `values` at `times_s`, which rise strictly; both have the same length, at
+    /// The cubic through `values` at strictly increasing `times_s`; both have the same length, at
     /// least one.
     pub fn new(times_s: &[f64], values: &[f64]) -> Self {
         let slope = |i: usize| (values[i + 1] - values[i]) / (times_s[i + 1] - times_s[i]);
@@ -175,7 +175,8 @@ mod tests {
         }
     }
 
-    /// Beside a long piece, the curve overshoots a short piece by less than its length.
+    /// Next to a long piece, the curve overshoots a short piece by less than the short piece's
+    /// length.
     #[test]
     fn long_segments_barely_overshoot_short_ones() {
         let points = [[0.0, 0.0], [0.0, 1.0], [10.0, 1.0], [10.0, 0.0]];
