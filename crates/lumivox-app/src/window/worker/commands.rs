@@ -41,7 +41,7 @@ impl Worker {
             "fullscreen" => {
                 Err(Failure::input("fullscreen takes nothing; again, it ends it").into())
             }
-            // For tests: the next lines wait until the window shows the last picture.
+            // For tests: later lines wait until the window shows the newest picture.
             "wait_shown" => {
                 self.lines.wait_for_screen();
                 Ok(String::new())
@@ -61,7 +61,8 @@ impl Worker {
         Some(done)
     }
 
-    /// `select [[object|light] NAME]`: selects an object or a light; without a name, nothing.
+    /// `select [[object|light] NAME]`: selects an object or a light; without a name, clears the
+    /// selection.
     fn select(&mut self, arguments: &[&str]) -> anyhow::Result<String> {
         let selected = match arguments {
             [] => None,
@@ -155,7 +156,7 @@ impl Worker {
         self.session.selection.choose(selected, pick.map(|pick| pick.position));
     }
 
-    /// Invalidates what a line has changed.
+    /// Invalidates state that depends on what a line has changed.
     pub(super) fn note_edits(&mut self, line: &str) {
         let edits = LineInfo::of(line).edits;
         if edits != Edits::Nothing {

@@ -17,7 +17,7 @@ pub struct Jobs {
     orders: Sender<Order>,
     loading: Option<Loading>,
     tracing: Option<Tracing>,
-    /// The picture of the reference so far.
+    /// The reference as traced so far.
     pub reference: Option<Reference>,
     watched: Option<Watched>,
     /// `true` if files have changed while a scene was being read.
@@ -32,7 +32,7 @@ impl Jobs {
         Self { orders, loading, tracing, reference, watched, has_changed: false, count: 0 }
     }
 
-    /// Whether a scene is being read, or there is a reference, complete or not.
+    /// Whether a scene is being read, or a complete or partial reference exists.
     pub fn are_there(&self) -> bool {
         self.loading.is_some() || self.tracing.is_some()
     }
@@ -63,12 +63,12 @@ impl Jobs {
         self.loading.is_some()
     }
 
-    /// Whether another scene than the one that is shown is being read.
+    /// Whether a scene other than the shown one is being read.
     pub fn is_opening(&self) -> bool {
         self.loading.as_ref().is_some_and(|loading| !loading.is_reload)
     }
 
-    /// Takes the loading of this number, or any if `number` is `None`.
+    /// Takes the load of this number; any load if `number` is `None`.
     pub fn take_loading(&mut self, number: Option<u64>) -> Option<Loading> {
         self.loading.take_if(|loading| number.is_none_or(|number| loading.number == number))
     }
@@ -78,7 +78,7 @@ impl Jobs {
         self.has_changed = true;
     }
 
-    /// Whether that was noted; clears the note.
+    /// Whether a change was noted; clears the note.
     pub fn take_change(&mut self) -> bool {
         std::mem::take(&mut self.has_changed)
     }
@@ -121,7 +121,7 @@ impl Jobs {
         if self.tracing.as_ref().is_some_and(|tracing| tracing.key == key) {
             return false;
         }
-        // Drop the old one first, to free its memory and time.
+        // Drop the old reference first, to free its memory and stop its work.
         self.forget_reference();
         self.count += 1;
         let (gpu, scene, orders) = (explorer.gpu().clone(), scene.clone(), self.orders.clone());
@@ -130,7 +130,7 @@ impl Jobs {
         true
     }
 
-    /// Whether there is a reference of another state than the explorer's at this size.
+    /// Whether the reference belongs to another state than the explorer's, or another size.
     pub fn is_reference_old(&self, explorer: &Explorer, size: UVec2) -> bool {
         let is_of = |tracing: &Tracing| {
             let is_of = |scene| tracing.key.is_of(scene, explorer.camera(), size);

@@ -9,11 +9,11 @@ use crate::window::lines::{Line, Origin};
 #[derive(Debug, Default)]
 pub struct Lines {
     waiting: ChangeQueue<Line>,
-    /// Lines of scripts, which run before those.
+    /// Lines of scripts, which run before waiting ones.
     script: Queue,
     script_goes_on: bool,
-    /// A line that runs once its frames are rendered; `is_prepared`: `true` if the current line was
-    /// one.
+    /// A line that runs once its frames are rendered. `is_prepared`: `true` if the current line was
+    /// pending.
     pending: Option<Line>,
     is_prepared: bool,
     frames_to_wait: u32,
@@ -28,8 +28,8 @@ impl Lines {
         self.waiting.push(line.target(), line);
     }
 
-    /// The next line that can run. While a scene is being read, lines of the terminal and of
-    /// scripts wait; while waiting for frames or the screen, all lines do except those of panels.
+    /// The next line that can run. While a scene is being read, only lines of the terminal and of
+    /// scripts wait; while waiting for frames or the screen, all lines except those of panels.
     pub fn next(&mut self, is_loading: bool) -> Option<Line> {
         let is_waiting = self.frames_to_wait > 0 || self.waits_for_screen;
         if !is_loading && !is_waiting {
@@ -52,12 +52,12 @@ impl Lines {
         })
     }
 
-    /// Whether there are lines to be run, now or later.
+    /// Whether any line is still to be run.
     pub fn are_left(&self) -> bool {
         self.script_goes_on || self.pending.is_some() || !self.waiting.is_empty()
     }
 
-    /// Whether the frames of the current line were rendered before it; clears the flag.
+    /// Whether the current line's frames have been rendered; clears the flag.
     pub fn take_prepared(&mut self) -> bool {
         std::mem::take(&mut self.is_prepared)
     }
@@ -137,7 +137,7 @@ impl Lines {
         self.done
     }
 
-    /// Whether a line begins another step for `undo`, as its gesture is not the last line's.
+    /// Whether a line begins a new step for `undo`: its gesture differs from the last line's.
     pub fn begins_gesture(&mut self, line: &Line) -> bool {
         let is_other = line.gesture == 0 || line.gesture != self.gesture;
         self.gesture = line.gesture;

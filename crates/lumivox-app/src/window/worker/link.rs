@@ -22,7 +22,7 @@ pub enum Waited {
     Orders,
     /// The time has passed.
     Timeout,
-    /// No sender is left.
+    /// All senders are dropped.
     Closed,
 }
 
@@ -95,7 +95,7 @@ impl Publisher {
         (self.wake)();
     }
 
-    /// Publishes the worker's activity, unless it is still the same.
+    /// Publishes the worker's activity if it has changed.
     pub fn begin(&self, words: String) {
         let mut is_new = false;
         self.change(|published| {

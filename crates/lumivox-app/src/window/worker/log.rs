@@ -13,17 +13,17 @@ use crate::window::lines::Line;
 use crate::window::model::{LogKind, LogLine};
 use crate::window::terminal::Terminal;
 
-/// Maximum number of kept lines.
+/// Maximum number of lines.
 const KEPT: usize = 2000;
 
-/// The console's lines. They are printed to stdout, too, so that mouse actions can be read there.
+/// The console's lines. They are also printed to stdout, to record mouse actions.
 #[derive(Debug, Default)]
 pub struct Log {
     lines: VecDeque<LogLine>,
     snapshot: Option<Arc<Vec<LogLine>>>,
-    /// The last line's target, if it is a panel's command, and whether it is printed already.
+    /// The last line's target, if a panel sent it, and whether it is printed already.
     last: Option<(Option<String>, bool)>,
-    /// The thread that prints them to stdout.
+    /// The thread that prints lines to stdout.
     printer: Option<(Sender<Printed>, JoinHandle<()>)>,
 }
 
@@ -33,7 +33,7 @@ enum Printed {
     Names(Names),
 }
 
-/// Maximum wait at the end for a reader of stdout that does not read.
+/// Maximum wait at the end for a blocked reader of stdout.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 impl Log {
@@ -60,8 +60,8 @@ impl Log {
         }
     }
 
-    /// Adds a line that is run. It replaces the last line if both are a panel's with the same
-    /// target.
+    /// Adds a line that is run. It replaces the last line if both come from panels and have the
+    /// same target.
     pub fn add_command(&mut self, line: &Line) {
         let target = line.target();
         let replaces =
@@ -90,7 +90,7 @@ impl Log {
         self.settle();
     }
 
-    /// Whether the last command is not printed yet, since another may replace it.
+    /// Whether the last command is not printed yet, since a later one may replace it.
     pub fn is_pending(&self) -> bool {
         self.last.as_ref().is_some_and(|(_, is_written)| !is_written)
     }
@@ -167,19 +167,19 @@ impl Messages {
         self.error = self.error.take().filter(|(other, _)| *other != number);
     }
 
-    /// The error that was not closed, with its number.
+    /// The last error, with its number; `None` once closed.
     pub fn error(&self) -> Option<(u64, String)> {
         self.error.clone()
     }
 
-    /// Gives the window a command line to copy.
+    /// Provides a command line for the window to copy.
     pub fn copy(&mut self, line: String) {
         let number = self.command_line.as_ref().map_or(0, |(number, _)| *number) + 1;
         self.log.add(LogKind::Note, &format!("copied: {line}"));
         self.command_line = Some((number, line));
     }
 
-    /// The last such command line, with its number.
+    /// The last command line to copy, with its number.
     pub fn command_line(&self) -> Option<(u64, String)> {
         self.command_line.clone()
     }

@@ -1,8 +1,8 @@
 //! The worker thread: owns the console and its explorer, runs lines, renders frames, and publishes
 //! the results.
 //!
-//! It drains all orders, runs their lines, publishes the model, renders one frame, publishes the
-//! picture, and repeats; once the picture is complete, it sleeps until an order comes. So a line
+//! In a loop, it drains the orders, runs their lines, publishes the model, renders one frame, and
+//! publishes the picture; once the picture is complete, it sleeps until an order arrives. So a line
 //! waits for at most one frame, and the window never waits.
 //!
 //! | file | is |
@@ -45,7 +45,7 @@ use log::Messages;
 use pictures::Pictures;
 use session::Session;
 
-/// Interval of progress updates while nothing else happens.
+/// Interval of progress updates while the worker is idle.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// Starts the worker, which calls `wake` when it has published something. It ends at
@@ -91,7 +91,7 @@ struct Worker {
     pictures: Pictures,
     session: Session,
     messages: Messages,
-    /// `true` if stdin is a terminal: its lines are typed, not piped.
+    /// `true` if stdin is a terminal, whose lines are typed, not piped.
     is_terminal: bool,
     is_over: bool,
 }
@@ -191,7 +191,7 @@ impl Worker {
                         }
                     }
                 },
-                // Motion that began in the last scene.
+                // Ignore motion that began in the previous scene.
                 Order::Camera { scene, .. } if scene != self.session.opened => {}
                 Order::Camera { camera, number, .. } => {
                     self.session.cameras_done = number;
@@ -233,8 +233,8 @@ impl Worker {
         self.lines.are_left() && !is_held
     }
 
-    /// The urgency of a line that runs before all others. Piped input is a script, in which `quit`
-    /// waits for its turn.
+    /// The urgency of a line that runs before others, if it has any. In piped input, `quit` waits
+    /// for its turn, as in a script.
     fn urgency(&self, line: &Line) -> Option<Urgency> {
         let is_piped = line.origin == Origin::Terminal && !self.is_terminal;
         let urgency = LineInfo::of(&line.text).urgency;
@@ -242,8 +242,8 @@ impl Worker {
     }
 }
 
-/// Forwards lines of the terminal, until the window is closed or the input ends, which does not
-/// close the window.
+/// Forwards lines of the terminal until the window is closed or the input ends. The end of the
+/// input does not close the window.
 fn hear_terminal(orders: Sender<Order>, shared: Shared, is_terminal: bool) -> Option<Terminal> {
     let (sender, lines) = mpsc::channel();
     let terminal = terminal::spawn(sender).ok()?;

@@ -18,7 +18,7 @@ use crate::window::jobs::Traced;
 use crate::window::model::{Comparand, LightAt, LogKind, RENDERING};
 use crate::window::screen::{Pixels, Screen, Shown};
 
-/// The pictures on the screen, and which frame is next.
+/// State of the pictures on the screen and of the frame that is next.
 pub struct Pictures {
     /// The picture's size at rest.
     full_size: UVec2,
@@ -26,7 +26,7 @@ pub struct Pictures {
     pub comparand: Comparand,
     pub screen: Screen,
     split: SplitSchedule,
-    /// `true` if a picture of the current state was published.
+    /// `true` if the published picture shows the current state.
     is_current: bool,
     /// The number of the last picture.
     serial: u64,
@@ -34,7 +34,7 @@ pub struct Pictures {
     on_screen: u64,
     /// `true` after rendering has failed; nothing is rendered until something changes.
     pub has_failed: bool,
-    /// Devices that were lost since the last frame.
+    /// Number of devices lost since the last frame.
     pub losses: u32,
     /// The place to measure the light at, if requested.
     pub probe: Option<Vec2>,
@@ -103,7 +103,7 @@ impl Worker {
         !self.jobs.is_tracing() && self.pictures.on_screen >= self.publisher.shared().newest()
     }
 
-    /// Restarts the pictures after a change.
+    /// Restarts the picture after a change.
     pub(super) fn start_again(&mut self) {
         self.pictures.start_again();
         self.publisher.change(|published| {
@@ -114,7 +114,7 @@ impl Worker {
         self.check_reference();
     }
 
-    /// Drops a reference of another state.
+    /// Drops the reference if it no longer matches the explorer.
     fn check_reference(&mut self) {
         if self.jobs.is_reference_old(&self.console.explorer, self.pictures.full_size) {
             self.forget_reference();
@@ -141,10 +141,10 @@ impl Worker {
             self.lines.frames_are_over();
             return Ok(false);
         }
-        // The window may have noticed the loss first.
+        // The window may already have noticed the loss.
         anyhow::ensure!(!self.console.explorer.gpu().is_lost(), "the GPU was lost");
         self.advance_time()?;
-        // Frames on demand have no first look.
+        // Frames on demand need no first look.
         let explorer = &mut self.console.explorer;
         if explorer.is_single_frame {
             explorer.pacing.first_shown();
@@ -198,7 +198,7 @@ impl Worker {
         let is_first = self.console.explorer.renderer().is_none();
         self.publisher.begin(RENDERING.to_owned());
         let publisher = self.publisher.clone();
-        // Voxels, light and pipelines take long enough to report.
+        // Report progress: voxels, light and pipelines may take long.
         let mut tell = |step: RenderProgress| {
             let words = if step.done < step.total { words(step.stage) } else { RENDERING };
             publisher.begin(words.to_owned());
@@ -234,7 +234,7 @@ impl Worker {
         Ok(has_rendered)
     }
 
-    /// Shows frames that commands have rendered.
+    /// Publishes frames that commands have rendered.
     fn show_what_is_there(&mut self) -> anyhow::Result<bool> {
         self.lines.frames_are_over();
         let explorer = &mut self.console.explorer;
@@ -266,8 +266,8 @@ impl Worker {
         Ok(())
     }
 
-    /// Measures the light at the probed place. Measures nothing beside another view, whose frames
-    /// alternate with the picture's.
+    /// Measures the light at the probed place, unless another view is shown, whose frames alternate
+    /// with the picture's.
     pub(super) fn measure_light(&mut self) {
         let Some(at) = self.pictures.probe.take() else { return };
         let light = match (self.console.explorer.renderer(), self.pictures.comparand) {
@@ -290,8 +290,8 @@ impl Worker {
         Ok(pixels.map(|pixels| Arc::new(Shown { serial, size, pixels, frames })))
     }
 
-    /// Renders and publishes the next frame of another view; returns whether there was one. If the
-    /// view is refused, ends the comparison.
+    /// Renders and publishes the next frame of another view; returns whether there was one. Ends
+    /// the comparison if the explorer rejects the view.
     fn render_other(&mut self, view: View) -> anyhow::Result<bool> {
         let settings = self.console.explorer.settings().clone();
         let other = RenderSettings { view, ..settings.clone() };
@@ -299,7 +299,7 @@ impl Worker {
             Ok(()) => self.render_frame_of_other(settings.view),
             Err(error) => Err(error.into()),
         };
-        // Cannot fail: these were the settings before.
+        // Cannot fail: these are the previous settings.
         let _ = self.console.explorer.set_settings(settings);
         match done {
             Err(error) if !self.has_lost_device() => {
@@ -317,7 +317,7 @@ impl Worker {
         if !pollster::block_on(explorer.frame(&mut |_| {}))? {
             return Ok(false);
         }
-        // Discard the times: they are not the picture's.
+        // Discard the other view's times.
         let _ = explorer.take_stage_times();
         let stops = pollster::block_on(self.pictures.meter.beside(explorer, first))?;
         let shown = self.shown(stops)?;
@@ -325,7 +325,7 @@ impl Worker {
         Ok(true)
     }
 
-    /// Starts the reference once the picture is complete.
+    /// Starts tracing the reference once the picture is complete.
     fn trace(&mut self, samples: u32) {
         if self.jobs.trace(&self.console.explorer, samples) {
             self.publisher.change(|published| published.other = None);

@@ -22,7 +22,7 @@ fn shortened(line: &str) -> String {
 }
 
 impl Worker {
-    /// Runs lines until one has to wait; returns whether it ran any.
+    /// Runs lines until one has to wait; returns whether any ran.
     pub(super) fn run_lines(&mut self) -> bool {
         let mut has_run = false;
         // Start no line after a request to quit or to stop.
@@ -43,7 +43,7 @@ impl Worker {
         has_run
     }
 
-    /// Whether a line needs frames that must be rendered first.
+    /// Whether frames must be rendered before a line can run.
     fn waits_for_frames(&mut self, line: &Line) -> bool {
         let explorer = &self.console.explorer;
         let is_prepared = self.lines.take_prepared();

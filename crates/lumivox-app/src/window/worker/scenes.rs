@@ -6,12 +6,12 @@ use super::Worker;
 use crate::window::jobs::Loaded;
 use crate::window::model::{Comparand, Job, JobModel, LogKind};
 
-/// Losses of devices without a frame in between after which rendering stops until something
+/// Number of lost devices without a frame in between after which rendering pauses until something
 /// changes: the workload may kill every device.
 const MOST_LOSSES: u32 = 3;
 
 impl Worker {
-    /// Applies the result of reading a scene, unless that was cancelled.
+    /// Applies the result of reading a scene, unless it was cancelled.
     pub(super) fn take_scene(&mut self, loaded: Loaded) {
         let Some(loading) = self.jobs.take_loading(Some(loaded.number)) else { return };
         let opened = match loaded.result {
@@ -61,7 +61,8 @@ impl Worker {
         if let Err(text) = self.jobs.watch(&self.console) {
             self.messages.log.add(LogKind::Note, &text);
         }
-        // Drop its watcher only now: a change in between is reported twice rather than never.
+        // Drop the old watcher only now: a change in between is then reported twice rather than
+        // never.
         drop(loading);
         self.session.view.open(&self.console);
         self.start_again();
@@ -70,7 +71,7 @@ impl Worker {
         }
     }
 
-    /// Reloads the scene; if another is being opened, reloads that one afterwards.
+    /// Reloads the scene; if another is being opened, reloads that afterwards.
     pub(super) fn reload(&mut self) {
         if self.jobs.is_opening() {
             self.jobs.note_change();
@@ -93,16 +94,16 @@ impl Worker {
         self.publisher.change(|published| published.other = None);
     }
 
-    /// Whether a failure of rendering is a loss of the device.
+    /// Whether rendering failed because the device was lost.
     pub(super) fn has_lost_device(&self) -> bool {
         let gpu = self.console.explorer.gpu();
-        // A loss is reported once the queue is empty, and the window may be drawing.
+        // wgpu reports a loss once the queue is empty, and the window may be drawing.
         let _ = gpu.wait("finding out whether the device is lost");
         gpu.is_lost()
     }
 
-    /// Handles a failure of rendering: opens another device if this one is lost. Returns whether
-    /// there is something to do.
+    /// Handles a failure of rendering; opens another device if this one is lost. Returns whether
+    /// there is work to do.
     pub(super) fn mend(&mut self, error: &anyhow::Error) -> bool {
         if !self.has_lost_device() {
             self.messages.fail(error);
@@ -135,8 +136,8 @@ impl Worker {
         }
     }
 
-    /// Stops rendering until something changes. Returns whether lines can run, which no longer wait
-    /// for frames.
+    /// Stops rendering until something changes. Lines no longer wait for frames; returns whether
+    /// any can run.
     fn give_up(&mut self) -> bool {
         self.pictures.has_failed = true;
         self.lines.frames_are_over();

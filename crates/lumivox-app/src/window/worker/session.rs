@@ -1,4 +1,4 @@
-//! State of the open scene: the selection, and the panels' model of it.
+//! State of the open scene: the selection, and the scene's model for the panels.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::window::model::{SceneModel, Selected, mesh_bounds, scene_model};
 pub struct Session {
     /// Number of scenes opened so far.
     pub opened: u64,
-    /// Number of the window's last camera that was set.
+    /// Number of the last camera from the window that was set.
     pub cameras_done: u64,
     /// `true` if materials, lights or surroundings were changed since the scene was read.
     pub has_edits: bool,
@@ -32,7 +32,7 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// Sets the selection, and the point if it was clicked.
+    /// Sets the selection, and the clicked point, if any.
     pub fn choose(&mut self, selected: Option<Selected>, picked_at: Option<Vec3>) {
         self.selected = selected;
         self.picked_at = picked_at;
@@ -103,7 +103,7 @@ impl SceneView {
         self.picker.get_or_insert_with(|| Picker::new(scene))
     }
 
-    /// Updates and returns the names if they may have changed.
+    /// Updates and returns the names for completion if they may have changed.
     pub fn renew_names(&mut self, console: &Console) -> Option<&Names> {
         if !std::mem::take(&mut self.names_are_old) {
             return None;

@@ -1,4 +1,4 @@
-//! Times of frames for the panels, and sums of stage times: `times` prints their mean.
+//! Times of frames for the panels, and sums of stage times, whose means `times` prints.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -17,7 +17,7 @@ pub struct FrameLog {
 }
 
 impl FrameLog {
-    /// Adds a frame. A renderer's first one, which includes its creation, only counts in totals.
+    /// Adds a frame. A renderer's first frame, which includes its creation, only counts in totals.
     pub fn add(&mut self, total: Duration, stages: &[StageTime], is_first: bool) {
         self.totals.add(stages);
         if is_first {
@@ -81,7 +81,7 @@ impl StageTotals {
     /// The output of `times [passes]`.
     ///
     /// # Errors
-    /// When the arguments are different.
+    /// When the arguments are invalid.
     pub fn table(&self, arguments: &[&str]) -> anyhow::Result<String> {
         let mut times = TimesReport::new(&self.means());
         match arguments {
