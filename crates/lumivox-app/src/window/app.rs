@@ -13,10 +13,10 @@ use super::outbox::Outbox;
 use super::panels::{self, console, files, picture};
 use super::{camera, keys, selection, theme};
 
-/// Time without motion until the camera's line is logged.
+/// Time without motion after which the camera's line is logged.
 const SETTLED: Duration = Duration::from_millis(250);
 
-/// A scene's source with an absolute path, which is valid in any working folder.
+/// A scene's source with an absolute path, valid in any working folder.
 fn absolute(source: &str) -> String {
     if source.starts_with("builtin:") {
         return source.to_owned();
@@ -37,7 +37,7 @@ pub struct App {
     published: Published,
     /// Filter of the object list: names must contain it.
     filter: String,
-    /// The name to store a camera under.
+    /// The name under which to store a camera.
     camera_name: String,
     console: console::State,
     /// `true` while the help is open.
@@ -46,7 +46,7 @@ pub struct App {
     dialogs: files::Dialogs,
     /// The number of the last command line that was copied.
     copied: u64,
-    /// The source of the last scene.
+    /// The source of the last scene that was opened.
     source: String,
 }
 
@@ -84,9 +84,9 @@ impl App {
         self.published.clone()
     }
 
-    /// Saves the state that is kept between runs.
+    /// Saves the configuration.
     pub fn save(&mut self) {
-        // Include changes since the last frame; without a model, the saved settings stay.
+        // Include changes since the last frame. Without a model, keep the saved settings.
         self.look();
         if self.published.has_model {
             self.config.keep_settings(&self.published.model);
@@ -96,7 +96,7 @@ impl App {
         }
     }
 
-    /// Logs the camera's line once it has come to rest.
+    /// Logs the camera's line once the camera rests.
     fn log_camera(&mut self, ui: &Ui) {
         let Some(moved) = self.outbox.camera_moved() else { return };
         if moved.elapsed() < SETTLED || ui.input(|input| input.pointer.any_down()) {
@@ -164,7 +164,7 @@ impl App {
         }
         let deep = Frame::new().fill(theme::DEEP);
         CentralPanel::no_frame().frame(deep).show(ui, |ui| {
-            // Also without a scene, so that its first picture has this size.
+            // Do this even without a scene: its first picture will have this size.
             let room = ui.available_rect_before_wrap().size() * ui.ctx().pixels_per_point();
             if room.x >= 1.0 && room.y >= 1.0 {
                 let size = UVec2::new(room.x as u32, room.y as u32);

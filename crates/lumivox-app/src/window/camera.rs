@@ -3,7 +3,7 @@
 use glam::{Quat, Vec2, Vec3};
 use lumivox_scene::{Bounds, Camera};
 
-/// The steepest view, rad: beyond the vertical, left and right would swap.
+/// The steepest pitch, rad: past the vertical, left and right would swap.
 const STEEPEST_RAD: f32 = 1.55;
 
 /// Rotates the camera about a point by angles to the right and down, rad. The point stays where it
@@ -41,8 +41,8 @@ pub fn dolly(camera: &Camera, pivot: Vec3, factor: f32) -> Camera {
     fly(camera, Vec3::new(0.0, 0.0, distance * (1.0 - factor)))
 }
 
-/// Moves the camera within the picture's plane, by shares of the picture's height at a point's
-/// distance, so that the point moves with the pointer.
+/// Moves the camera in the picture's plane. `shares` are shares of the picture's height at the
+/// distance of `pivot`, so that `pivot` follows the pointer.
 pub fn pan(camera: &Camera, pivot: Vec3, shares: Vec2) -> Camera {
     let distance = (pivot - camera.position).dot(camera.forward).max(camera.near_m * 4.0);
     let height = 2.0 * distance * (0.5 * camera.vertical_fov_rad).tan();
@@ -62,7 +62,7 @@ pub fn frame(camera: &Camera, bounds: Bounds, aspect: f32) -> Camera {
     Camera { position, near_m: camera.near_m.min(radius_m * 1e-3).max(1e-6), ..camera.clone() }
 }
 
-/// The command that sets this camera; `distance_m` is the distance of its target.
+/// The command that sets this camera with a target at `distance_m`.
 pub fn command(camera: &Camera, distance_m: f32) -> String {
     let p = camera.position;
     let t = p + camera.forward * distance_m.max(camera.near_m);
@@ -85,7 +85,7 @@ mod tests {
         let turned = orbit(&camera(), pivot, Vec2::new(0.7, -0.3));
         let after = turned.camera_from_world().transform_point3(pivot);
         assert!(before.abs_diff_eq(after, 1e-4), "{before} {after}");
-        // Dragged to the right, the scene turns to the right: the camera goes to the left.
+        // A drag to the right turns the scene to the right: the camera moves to the left.
         let (eye, left) = (turned.position, orbit(&camera(), pivot, Vec2::new(0.1, 0.0)).position);
         assert!(left.x < camera().position.x && eye != left, "{left}");
     }

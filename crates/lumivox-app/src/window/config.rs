@@ -1,8 +1,8 @@
 //! State that is saved between runs: settings, recent scenes, the window's size and panels.
 //!
-//! It is a JSON file in the user's configuration folder (`lumivox/window.json`; on Linux below
-//! `$XDG_CONFIG_HOME` or `~/.config`). Settings are stored by their names in
-//! [`lumivox_explorer::parameters`], so that a file of another version loses only settings that
+//! The file is `lumivox/window.json` in the user's configuration folder (on Linux
+//! `$XDG_CONFIG_HOME` or `~/.config`). It stores settings by their names in
+//! [`lumivox_explorer::parameters`], so that a file of another version only loses settings that
 //! this version does not have.
 
 use std::collections::BTreeMap;
@@ -31,9 +31,9 @@ pub struct Config {
     pub right: bool,
     /// `true` if the console is open.
     pub console: bool,
-    /// `true` if pictures have half the width and height of their space.
+    /// `true` if pictures have half the width and height of their panel.
     pub half_size: bool,
-    /// The time that a frame may take while something moves, ms; 0 disables coarser pictures.
+    /// Maximum time of a frame in motion, ms; 0 disables coarser pictures.
     pub frame_budget_ms: f32,
     /// Flying speed, as a multiple of the scene's default.
     pub speed: f32,
@@ -45,15 +45,15 @@ pub struct Config {
     pub settings: BTreeMap<String, String>,
     #[serde(skip)]
     file: Option<PathBuf>,
-    /// Overrides by the command line, which are not saved unless changed since.
+    /// Command-line overrides, which are not saved unless changed since.
     #[serde(skip)]
     once: Once,
-    /// A problem with the file; `None` if there was none.
+    /// A problem with the file, if any.
     #[serde(skip)]
     pub warning: Option<String>,
 }
 
-/// Overrides by a command line.
+/// Command-line overrides.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Once {
     preset: Option<PresetChoice>,
@@ -135,8 +135,8 @@ impl Config {
         Ok(())
     }
 
-    /// Applies the saved settings to an explorer, except those that the command line gives; none if
-    /// it names a preset.
+    /// Applies the saved settings to an explorer, except those that the command line gives. Applies
+    /// none if it names a preset.
     pub fn apply(&mut self, explorer: &mut Explorer, given: &[Given], names_preset: bool) {
         explorer.pacing.budget_ms = self.frame_budget_ms.clamp(0.0, LONGEST_BUDGET_MS);
         for (parameter, _) in given {
@@ -179,7 +179,7 @@ impl Config {
     /// Stores the settings that differ from the preset's.
     pub fn keep_settings(&mut self, model: &super::model::Model) {
         self.frame_budget_ms = model.pacing.budget_ms;
-        // A preset of the command line is not saved unless changed since.
+        // Do not save a preset of the command line unless it has changed.
         if self.once.preset == Some(model.preset) {
             return;
         }
@@ -242,7 +242,7 @@ mod tests {
             );
             assert_eq!(config.window, Config::default().window);
         }
-        // Missing and invalid values have their defaults, and unknown ones are ignored.
+        // Missing and invalid values become the defaults; unknown ones are ignored.
         let config = Config::read("{\"future\": 1, \"window\": [1e9, -5], \"speed\": 0}", None);
         assert_eq!(config, Config::default());
     }
@@ -258,7 +258,7 @@ mod tests {
         config.keep_settings(&model);
         assert_eq!(config.settings.get("bounces").map(String::as_str), Some("2"));
         assert!(!config.settings.contains_key("frames"));
-        // Values that were changed in the window are saved.
+        // Values changed in the window are saved.
         (model.settings.bounces, model.settings.frames) = (4, 6);
         config.keep_settings(&model);
         assert_eq!(config.settings.get("bounces").map(String::as_str), Some("4"));

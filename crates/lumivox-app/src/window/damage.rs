@@ -1,13 +1,14 @@
 //! Finds the parts of the window that must be repainted.
 //!
-//! On a software GPU, painting the whole window takes 50 ms, and a click that opens a menu takes
-//! three frames, in which mostly only a button changes. So the painted window stays on a canvas,
-//! and the next frame repaints only the parts that differ.
+//! On a software GPU, painting the whole window takes 50 ms. A click that opens a menu takes three
+//! frames, in most of which only a button changes. So a canvas keeps the painted window, and each
+//! frame repaints only the parts that differ.
 
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive};
 use egui::{Color32, Rect, TextureId, pos2};
 
-/// More parts are merged into one, since each paints all primitives that it intersects.
+/// Maximum parts; if there are more, all are merged, since each part paints all primitives that it
+/// intersects.
 const MOST_PARTS: usize = 4;
 
 /// The parts of a frame that differ from the frame before, in points; they do not overlap.
@@ -72,8 +73,8 @@ fn extent(primitive: &ClippedPrimitive) -> Rect {
     }
 }
 
-/// The part where two primitives differ: only the moved or recoloured triangles if both have the
-/// same indices and texture, otherwise all of both.
+/// The part where two primitives differ: the moved or recoloured triangles if indices and texture
+/// are equal, else all of both.
 fn difference(old: &ClippedPrimitive, new: &ClippedPrimitive) -> Option<Rect> {
     if is_same(old, new) {
         return None;
@@ -117,7 +118,7 @@ fn disjoint(parts: Vec<Rect>) -> Vec<Rect> {
     apart
 }
 
-/// A part extended to whole pixels, and by one more on each side, in points.
+/// A part, in points, extended to whole pixels and one more on each side.
 pub fn on_pixels(part: Rect, pixels_per_point: f32) -> Rect {
     let low = (part.min.to_vec2() * pixels_per_point).floor() - egui::Vec2::ONE;
     let high = (part.max.to_vec2() * pixels_per_point).ceil() + egui::Vec2::ONE;

@@ -24,7 +24,7 @@ use crate::cli::WindowDevice;
 pub enum Wake {
     /// The worker has published something.
     Published,
-    /// A request of a screen reader.
+    /// A screen reader has sent a request.
     Access(accesskit_winit::Event),
 }
 
@@ -93,7 +93,7 @@ struct Handler {
     app: App,
     device: WindowDevice,
     open: Option<Open>,
-    /// Time of the repaint that egui has requested.
+    /// When to repaint, as egui has requested.
     next_paint: Option<Instant>,
     error: Option<anyhow::Error>,
 }

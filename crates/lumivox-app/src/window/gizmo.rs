@@ -33,7 +33,8 @@ pub struct Projection {
     rect: Rect,
 }
 
-/// Steps while Ctrl is held: a share of the handles' length or of the scale, and degrees.
+/// Steps while Ctrl is held: of moves and scales, as a share of the handles' length or of the
+/// scale; of rotations, in degrees.
 const SNAP_SHARE: f32 = 0.1;
 const SNAP_DEG: f32 = 15.0;
 /// Length of the handles, as a share of the picture's height.
@@ -120,7 +121,7 @@ pub fn unit(axis: usize) -> Vec3 {
     [Vec3::X, Vec3::Y, Vec3::Z][axis.min(2)]
 }
 
-/// The directions of the handles: the world's axes, or for sizes the object's.
+/// The directions of the handles: the world's axes; the object's axes for sizes.
 pub fn axes(mode: Mode, placement: &Placement) -> [Vec3; 3] {
     let turn = if mode == Mode::Size { rotation(placement) } else { Quat::IDENTITY };
     [0, 1, 2].map(|axis| turn * unit(axis))
@@ -189,7 +190,7 @@ impl Drag {
         Self { mode, handle, start, from }
     }
 
-    /// The object's placement with the pointer at `at`; in steps if `snaps`.
+    /// The object's placement with the pointer at `at`; snaps to steps if `snaps`.
     pub fn placement(&self, view: &Projection, at: Pos2, snaps: bool) -> Placement {
         let origin = self.start.position;
         let length = view.handle_length(origin);
@@ -200,7 +201,7 @@ impl Drag {
                 let axis = unit(axis);
                 let moved = view.along(origin, axis, at).zip(view.along(origin, axis, self.from));
                 let way = moved.map_or(0.0, |(now, then)| now - then);
-                // The step is the power of ten nearest to a tenth of the handles' length.
+                // The step is the power of ten that is nearest to a tenth of the handles' length.
                 let round = 10.0_f32.powf((length * SNAP_SHARE).log10().round());
                 Placement { position: origin + axis * step(way, round), ..self.start }
             }

@@ -23,23 +23,23 @@ pub struct Loading {
     pub watch: ProgressReader,
     /// The scene's source.
     pub title: String,
-    /// `true` if it is the scene that is already shown.
+    /// `true` if the scene is the one that is already shown.
     pub is_reload: bool,
-    /// The watcher of its files; `None` if they are not watched.
+    /// The watcher of the scene's files; `None` if they are not watched.
     pub watched: Option<Watched>,
 }
 
 /// The result of reading a scene.
 #[derive(Debug)]
 pub struct Loaded {
-    /// As in [`Loading`].
+    /// The number of the job, as in [`Loading`].
     pub number: u64,
     /// The scene, or why it could not be read.
     pub result: anyhow::Result<OpenedScene>,
 }
 
 /// Reads a scene on its own thread, which calls `done` with the result. Loaders cannot be stopped:
-/// the result of a cancelled one is dropped when it arrives.
+/// a cancelled one still delivers its result, which is then dropped.
 pub fn load(
     number: u64,
     opening: SceneRequest,
@@ -127,14 +127,15 @@ pub struct Reference {
     pub hdr: Vec<[f32; 4]>,
     /// Samples per pixel.
     pub samples: u32,
-    /// Exposure in stops and tone curve of its last display; `None` if never shown.
+    /// Exposure in stops and tone curve with which the reference was last shown; `None` if never
+    /// shown.
     pub shown: Option<(f32, ToneMap)>,
 }
 
 /// An intermediate or final result of tracing.
 #[derive(Debug)]
 pub struct Traced {
-    /// As in [`Tracing`].
+    /// The number of the job, as in [`Tracing`].
     pub number: u64,
     /// The reference so far, or why tracing failed.
     pub result: anyhow::Result<Reference>,
@@ -204,7 +205,7 @@ fn trace_all(
         if is_stopped() {
             return Ok(());
         }
-        // A small picture takes longer to read back than a batch: send it at growing intervals.
+        // Reading back a small picture takes longer than a batch: send it at growing intervals.
         let samples = tracer.samples();
         if !goes_on || samples >= shown + shown / 4 {
             shown = samples;

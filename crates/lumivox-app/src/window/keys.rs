@@ -12,7 +12,7 @@ use super::panels::console;
 use super::panels::files::Dialogs;
 use super::selection;
 
-/// Handles keys: some always, others only while no text field has the focus.
+/// Handles keys; most of them only while no text field has the focus.
 pub fn handle(
     ui: &Ui,
     model: &Model,
@@ -30,7 +30,6 @@ pub fn handle(
     if pressed(Modifiers::NONE, Key::F2) {
         config.console = !config.console;
         if config.console {
-            // Focus the console's input line.
             ui.memory_mut(|memory| memory.request_focus(console::line()));
         }
     }

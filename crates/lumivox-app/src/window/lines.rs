@@ -5,14 +5,14 @@ use lumivox_console::LineInfo;
 /// The origin of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// A button, a slider or a key. Its line is dropped if a later one sets the same target before
+    /// A button, a slider or a key. Its line is dropped if a later line sets the same target before
     /// it runs.
     Panel,
     /// The window's console.
     Pane,
     /// The terminal that the program was started from, or its piped stdin.
     Terminal,
-    /// A script, run from any of these.
+    /// A script that any of these has run.
     Script,
 }
 
@@ -23,15 +23,15 @@ pub struct Line {
     pub text: String,
     /// Its origin.
     pub origin: Origin,
-    /// Number among the window's lines; 0 for other lines.
+    /// Number of the line among the window's lines; 0 for other lines.
     pub serial: u64,
-    /// Number of the gesture, such as a drag, whose lines are one step for `undo`; 0 for a line
+    /// Number of the gesture, such as a drag, whose lines `undo` reverts together; 0 for a line
     /// that is its own step.
     pub gesture: u64,
 }
 
 impl Line {
-    /// The target that it sets; `None` if the line must run, as typed lines must.
+    /// The target that the line sets; `None` if no later line may supersede it, as for typed lines.
     pub fn target(&self) -> Option<String> {
         if self.origin == Origin::Panel { LineInfo::of(&self.text).target } else { None }
     }

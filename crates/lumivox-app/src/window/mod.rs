@@ -69,7 +69,7 @@ pub struct Start {
     pub console: Console,
     /// The scene to open.
     pub opening: Option<SceneRequest>,
-    /// Options for another device if the first is lost.
+    /// Options for opening another device if the first is lost.
     pub options: lumivox_render::GpuOptions,
     /// The saved state.
     pub config: Config,
@@ -94,7 +94,7 @@ fn join(thread: JoinHandle<()>, patience: Duration) -> Option<std::thread::Resul
 /// # Errors
 /// When there is no display; the message says what to do.
 pub fn event_loop() -> anyhow::Result<EventLoop<Wake>> {
-    // Without both variables, winit's message is about its features.
+    // Replace winit's message: without both variables it is about winit's features.
     let built = EventLoop::<Wake>::with_user_event().build();
     built.map_err(|error| {
         Failure::display(format!(

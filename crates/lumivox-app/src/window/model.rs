@@ -1,4 +1,4 @@
-//! The snapshot for the panels, which the worker makes whenever something has changed.
+//! The snapshot for the panels, which the worker makes after each change.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -25,7 +25,7 @@ pub const KEPT_FRAMES: usize = 200;
 /// The snapshot for the panels.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
-    /// Descriptions of the steps that `undo` and `redo` would apply; `None` if there is none.
+    /// Descriptions of the next steps of `undo` and `redo`; `None` if there is none.
     pub history: [Option<String>; 2],
     /// Luminance histogram of the picture, and its exposure in stops.
     pub histogram: Option<(Histogram, f32)>,
@@ -33,7 +33,7 @@ pub struct Model {
     pub scene: Option<Arc<SceneModel>>,
     /// The requested settings.
     pub settings: RenderSettings,
-    /// The preset's settings.
+    /// The preset's settings, which resets restore.
     pub usual: RenderSettings,
     /// The preset that the settings started from.
     pub preset: PresetChoice,
@@ -43,17 +43,17 @@ pub struct Model {
     pub has_position: [bool; 2],
     /// The animation's playback.
     pub playback: Playback,
-    /// Control of the picture's size in motion.
+    /// Control of the picture's resolution while something moves.
     pub pacing: Pacing,
     /// When voxels are rebuilt.
     pub revoxelize: Revoxelize,
     /// The selected object or light.
     pub selected: Option<Selected>,
-    /// Counts scenes that were opened.
+    /// Number of scenes opened so far.
     pub opened: u64,
-    /// Number of the window's last camera that was set.
+    /// Number of the last camera from the window that was set.
     pub cameras_done: u64,
-    /// Counts changes of the selection.
+    /// Number of changes of the selection.
     pub selections: u64,
     /// World position of the last click on the scene.
     pub picked_at: Option<Vec3>,
@@ -65,13 +65,13 @@ pub struct Model {
     pub memory: Vec<MemoryUse>,
     /// Times of the last frames.
     pub frames: Arc<Vec<FrameTime>>,
-    /// Cone samples and length of the history of the last frame.
+    /// Cone samples of the last frame, and length of its history.
     pub figures: Option<TraceFigures>,
     /// Number of averaged frames.
     pub frame_count: u32,
     /// Jobs in progress.
     pub jobs: Vec<JobModel>,
-    /// The last error that was not closed, and its number.
+    /// The last error, with its number; `None` once closed.
     pub error: Option<(u64, String)>,
     /// The console's lines.
     pub log: Arc<Vec<LogLine>>,
@@ -79,7 +79,7 @@ pub struct Model {
     pub gpu: String,
     /// Names for completion.
     pub names: Names,
-    /// Number of the window's last line that is done.
+    /// Number of the last line from the window that is done.
     pub lines_done: u64,
     /// The command line that reproduces the picture, and its number; `None` until requested.
     pub command_line: Option<(u64, String)>,
@@ -95,7 +95,6 @@ pub enum Selected {
 }
 
 impl Selected {
-    /// The name.
     pub fn name(&self) -> &str {
         match self {
             Self::Object(name) | Self::Light(name) => name,
@@ -132,7 +131,7 @@ pub struct SceneModel {
     pub environment: Vec3,
     /// The panorama's name; `None` if there is none.
     pub panorama: Option<String>,
-    /// `true` if emissive surfaces are its only light, so that it may look dark.
+    /// `true` if emissive surfaces are the only light, so that the scene may look dark.
     pub is_emission_alone: bool,
     /// Its cameras' names.
     pub cameras: Vec<String>,
@@ -159,7 +158,7 @@ pub struct ObjectModel {
     pub material: usize,
     /// Its placement.
     pub placement: Placement,
-    /// Its full transform, which may shear.
+    /// Its whole transform, which may shear.
     pub world_from_local: Mat4,
     /// Its bounds in local coordinates.
     pub local_bounds: Bounds,
@@ -182,13 +181,13 @@ pub struct VoxelModel {
     pub faces: u32,
     /// The grid's size in voxels.
     pub dimensions: [u32; 3],
-    /// Number of cascades of that size; 0 for a single box.
+    /// Number of cascades, each with this grid; 0 for a single box.
     pub cascades: u32,
     /// Edge of a voxel, m.
     pub edge_m: f32,
     /// Levels of the pyramid.
     pub levels: u32,
-    /// `true` if objects have moved but their voxels have not.
+    /// `true` if objects have moved but their voxels are not updated.
     pub are_stale: bool,
 }
 
@@ -232,9 +231,9 @@ pub struct Doing {
 pub struct JobModel {
     /// Its description and progress.
     pub words: String,
-    /// When it began; `None` if the words need no time.
+    /// When it began; `None` to show no time.
     pub since: Option<Instant>,
-    /// The share that is done; `None` if unknown.
+    /// The finished share, 0 to 1; `None` if unknown.
     pub share: Option<f32>,
     /// The job to cancel; `None` if it cannot be cancelled.
     pub cancel: Option<Job>,

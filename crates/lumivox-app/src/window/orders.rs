@@ -24,18 +24,18 @@ pub enum Order {
     Camera {
         /// The camera.
         camera: Camera,
-        /// [`Model::opened`] of its scene.
+        /// [`Model::opened`] of the camera's scene.
         scene: u64,
-        /// Its number among the window's cameras.
+        /// The camera's number among the window's.
         number: u64,
     },
-    /// Log this line, which sets the camera as the user has moved it.
+    /// Log this line, which sets the camera to where the user has moved it.
     CameraLine(String),
     /// Render pictures of this size, px.
     Size(UVec2),
     /// Select the object at this place of the picture, as shares of its width and height.
     Pick(Vec2),
-    /// Measure the light at such a place.
+    /// Measure the light at this place, as for `Pick`.
     Probe(Vec2),
     /// Measure stage times, or do not.
     Timed(bool),
@@ -70,7 +70,7 @@ pub struct Published {
     pub model: Arc<Model>,
     /// The picture.
     pub picture: Option<Arc<Shown>>,
-    /// The picture that it is compared with.
+    /// The picture that `picture` is compared with.
     pub other: Option<Arc<Shown>>,
     /// The light at a place of the picture.
     pub light: Option<LightAt>,
@@ -87,7 +87,7 @@ pub struct Published {
 /// A request that only the window can fulfil.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WindowRequest {
-    /// Lose the device that it draws with.
+    /// Lose the window's device.
     LoseDevice,
     /// Toggle full screen.
     FullScreen,
@@ -97,12 +97,12 @@ pub enum WindowRequest {
 #[derive(Clone, Debug, Default)]
 pub struct Shared {
     published: Arc<Mutex<Published>>,
-    /// `true` if a long command is to stop.
+    /// `true` if the running command is to stop.
     stop: Arc<AtomicBool>,
 }
 
 impl Shared {
-    /// The published state; takes its request.
+    /// Returns the published state, and takes the request out of it.
     pub fn get(&self) -> Published {
         let mut published = self.published.lock().unwrap_or_else(PoisonError::into_inner);
         let copy = published.clone();
@@ -122,13 +122,13 @@ impl Shared {
         self.published.lock().unwrap_or_else(PoisonError::into_inner).has_ended
     }
 
-    /// Interrupts a long command. Send the order itself afterwards: the worker receives it only
+    /// Interrupts a long command. Send the order that needs this afterwards: the worker receives it
     /// once the command has stopped.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Whether a long command is to stop.
+    /// Whether the running command is to stop.
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }

@@ -1,4 +1,4 @@
-//! Sends lines and orders to the worker, and keeps pending values until the model has them.
+//! Sends lines and orders to the worker; keeps sent values until the model has them.
 
 use std::collections::HashMap;
 use std::sync::mpsc::Sender;
@@ -14,7 +14,7 @@ use super::lines::{Line, Origin};
 use super::model::{Model, Selected};
 use super::orders::{Order, Published, Shared};
 
-/// A value that was sent but is not in the model yet; panels show it until then.
+/// A value that was sent but is not in the model yet; panels show it instead of the model's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum PendingValue {
     Value(Value),
@@ -26,7 +26,7 @@ pub struct Outbox {
     orders: Sender<Order>,
     shared: Shared,
     lines_sent: u64,
-    /// Number of the current gesture; it changes with every frame in which no button is held.
+    /// Number of the current gesture; changes in every frame in which no button is held.
     gesture: u64,
     held: HashMap<String, (PendingValue, u64)>,
     /// [`Model::opened`] of the scene that the pending values belong to.
@@ -66,7 +66,7 @@ impl Outbox {
         }
     }
 
-    /// The state that the worker has published. Drops pending values that it contains.
+    /// Returns the state that the worker has published. Drops pending values that are in it.
     pub fn look(&mut self) -> Published {
         let published = self.shared.get();
         let model = &published.model;
@@ -179,7 +179,7 @@ impl Outbox {
         self.held.insert(parameter.name.to_owned(), (PendingValue::Value(value), line));
     }
 
-    /// The pending numbers of `key`, or else `now`.
+    /// The pending numbers for `key`, else `now`.
     pub fn numbers<const N: usize>(&self, key: &str, now: [f32; N]) -> [f32; N] {
         match self.held.get(key) {
             Some((PendingValue::Numbers(held), _)) => {
@@ -189,14 +189,14 @@ impl Outbox {
         }
     }
 
-    /// Sets numbers by a command; up to nine of them are pending until it is done.
+    /// Sets up to nine numbers by a command; they are pending until it is done.
     pub fn set_numbers<const N: usize>(&mut self, key: &str, numbers: [f32; N], command: String) {
         let line = self.send(command, Origin::Panel);
         let held = std::array::from_fn(|i| numbers.get(i).copied().unwrap_or(0.0));
         self.held.insert(key.to_owned(), (PendingValue::Numbers(held), line));
     }
 
-    /// The selection, as the user has set it or else as published.
+    /// The pending selection, or else the published one.
     pub fn selected(&self) -> Option<&Selected> {
         self.selected.as_ref()
     }
@@ -233,7 +233,7 @@ impl Outbox {
         self.moved
     }
 
-    /// Logs the line that sets the camera as the user has moved it.
+    /// Logs the line that sets the camera to where the user has moved it.
     pub fn log_camera(&mut self, line: String) {
         self.moved = None;
         self.order(Order::CameraLine(line));

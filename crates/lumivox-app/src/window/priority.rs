@@ -4,12 +4,12 @@
 //! that its driver starts with the device have a lower priority than the window. On two busy cores,
 //! panels then respond at once, instead of lagging by frames of the picture.
 
-/// Niceness of the worker: a tenth of the window's share of a contended core.
+/// Niceness of the worker, which gives it a tenth of the window's share of a contended core.
 #[cfg(target_os = "linux")]
 const NICE: i32 = 10;
 
-/// Lowers the priority of this thread, and of those that it starts. Does nothing except on Linux:
-/// elsewhere, priorities belong to the process.
+/// Lowers the priority of this thread, and of threads that it starts. Only on Linux: elsewhere,
+/// priorities belong to the process.
 pub fn give_way() {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::nice(NICE) {

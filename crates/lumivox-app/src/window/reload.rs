@@ -8,7 +8,7 @@ use std::time::Duration;
 use lumivox_scene::may_name;
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 
-/// Changes within this time count as one: programs write files in pieces.
+/// Changes less than this apart count as one: programs write files in pieces.
 const QUIET: Duration = Duration::from_millis(250);
 /// Larger scene files are not searched for names of other files.
 const MOST_BYTES: u64 = 8 << 20;
@@ -19,7 +19,7 @@ pub struct Watched {
     _watcher: RecommendedWatcher,
 }
 
-/// Calls `changed` when a scene's file changes, or one that it names.
+/// Calls `changed` when a scene's file or a file that it names changes.
 ///
 /// # Errors
 /// When the system cannot watch the files.
@@ -53,7 +53,7 @@ pub fn watch(
 /// Calls `changed` once for each burst of changes, until the watcher with the sender is dropped.
 fn forward(changes: &Receiver<()>, changed: &dyn Fn()) {
     while changes.recv().is_ok() {
-        // This ends with a pause, or with the last change of a watcher that is being replaced.
+        // Wait for a pause, or for the watcher to be dropped.
         while changes.recv_timeout(QUIET).is_ok() {}
         changed();
     }
@@ -67,13 +67,13 @@ fn canonical(file: &Path) -> PathBuf {
     file.file_name().map_or(folder.clone(), |name| folder.join(name))
 }
 
-/// A scene's file and the existing files that it names: words and quoted texts in it count as
-/// names, whatever the format. Files that these name are included, such as the textures of a
-/// material library. Files that the scene may not name are not read.
+/// A scene's file and the existing files that it names. Every word or quoted text in it counts as a
+/// name, whatever the format. Files named by those are included, such as the textures of a material
+/// library. Files that the scene may not name are not read.
 pub fn files_of(scene: &Path, allow_outside: bool) -> Vec<PathBuf> {
     let mut files = vec![scene.to_owned()];
     let mut next = 0;
-    // Ends for files that name each other: each is listed once.
+    // Listing each file once makes this end if files name each other.
     while next < files.len() && files.len() < 4096 {
         for file in named_in(&files[next]) {
             if !files.contains(&file) && (allow_outside || may_name(scene, &file)) {
@@ -96,7 +96,7 @@ fn named_in(file: &Path) -> Vec<PathBuf> {
     let roots =
         [folder.to_owned(), folder.join(".."), folder.join("models"), folder.join("../models")];
     let mut found = Vec::new();
-    // File names have an extension; skip numbers, which contain a dot, too.
+    // Names have an extension; numbers, which contain a dot, are skipped.
     let names = quoted.chain(bare).filter(|name| name.len() < 512 && name.contains('.'));
     for name in names.collect::<BTreeSet<String>>() {
         if name.parse::<f64>().is_ok() {
@@ -155,7 +155,7 @@ mod tests {
         assert_eq!(files_of(&at("scenes/a.scene"), false).len(), 2);
     }
 
-    /// All changes are queued before the thread starts, so that timing does not matter.
+    /// Queues all changes before the thread starts, so that timing does not matter.
     #[test]
     fn a_burst_of_changes_is_reported_once() {
         let (sender, changes) = mpsc::channel();

@@ -1,8 +1,8 @@
 //! Sending pictures from the worker to the window.
 //!
 //! If the window draws with the worker's device, a picture is a texture, copied on the GPU and
-//! bound directly. Otherwise it goes through main memory. The worker decides for each picture by
-//! the device that the window has named last.
+//! bound directly. Otherwise it passes through main memory. The worker decides for each picture, by
+//! the device that the window has last sent.
 
 use std::sync::Arc;
 
@@ -17,9 +17,9 @@ pub const PICTURES: usize = 2;
 /// A picture's pixels.
 #[derive(Clone, Debug)]
 pub enum Pixels {
-    /// Row by row from the top.
+    /// In main memory, row by row from the top.
     InMemory(Vec<[u8; 4]>),
-    /// In a texture of a device. The worker reuses it once it has the only reference.
+    /// In a texture on a device. The worker reuses the texture once it has the only reference.
     OnDevice(GpuId, Arc<wgpu::Texture>),
 }
 
@@ -30,7 +30,7 @@ pub struct Shown {
     pub serial: u64,
     /// Width and height, px.
     pub size: UVec2,
-    /// Its pixels: on the CPU, or a texture of the shared device.
+    /// Its pixels.
     pub pixels: Pixels,
     /// Averaged frames, or samples of the reference.
     pub frames: u32,
@@ -41,8 +41,8 @@ pub struct Shown {
 pub struct Screen {
     /// The device that the window draws with; `None` before there is one.
     device: Option<GpuId>,
-    /// Textures for pictures: one that is written, one that is published, one that is drawn, and
-    /// the same for another view.
+    /// Textures for pictures: one being written, one published, one being drawn, and as many for
+    /// another view.
     textures: Vec<Arc<wgpu::Texture>>,
 }
 
@@ -83,7 +83,7 @@ impl Screen {
     /// A texture that is not in use.
     fn free_texture(&mut self, gpu: &Gpu, size: wgpu::Extent3d) -> Arc<wgpu::Texture> {
         self.textures.retain(|texture| texture.size() == size);
-        // Only the worker can clone the only reference, so the texture stays free.
+        // Only the worker could clone this reference, so the texture stays free.
         let is_free = |texture: &&Arc<wgpu::Texture>| Arc::strong_count(texture) == 1;
         if let Some(texture) = self.textures.iter().find(is_free) {
             return texture.clone();
@@ -154,8 +154,7 @@ impl Textures {
     }
 }
 
-/// Uploads pixels, into the previous texture of the place if that has the same size and is the
-/// window's own.
+/// Uploads pixels. Reuses the texture of `old` if it has the same size and is the window's own.
 fn upload(gpu: &Gpu, size: UVec2, pixels: &[[u8; 4]], old: Option<&Bound>) -> wgpu::Texture {
     let extent = wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 };
     let old = old.filter(|old| old.is_own && old.texture.size() == extent);

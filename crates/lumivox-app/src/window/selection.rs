@@ -24,7 +24,7 @@ pub fn object<'a>(scene: &'a SceneModel, outbox: &Outbox) -> Option<&'a ObjectMo
 /// An object's pending placement, or else its current one.
 pub fn placement(object: &ObjectModel, outbox: &Outbox) -> Placement {
     let Placement { position, rotation_deg, scale } = object.placement;
-    // Matrices yield -0.0, which adding zero turns into 0.0.
+    // Matrices yield -0.0; adding zero gives 0.0.
     let [p, r, s] = [position, rotation_deg, scale].map(|v| v + Vec3::ZERO);
     let key = format!("place {}", quote(&object.name));
     let n = outbox.numbers(&key, [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z]);
@@ -44,7 +44,7 @@ pub fn place(outbox: &mut Outbox, name: &str, placement: &Placement) {
     outbox.set_numbers(&key, [p.x, p.y, p.z, r.x, r.y, r.z, s.x, s.y, s.z], command);
 }
 
-/// The placement and mode of the handles; `None` if the selection has no handles.
+/// The placement and mode of the handles; `None` if the selection has none.
 pub fn handles(scene: &SceneModel, mode: Mode, outbox: &Outbox) -> Option<(Placement, Mode)> {
     match outbox.selected()? {
         Selected::Object(_) => Some((placement(object(scene, outbox)?, outbox), mode)),

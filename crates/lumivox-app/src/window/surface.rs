@@ -3,8 +3,8 @@
 //! The window is drawn on a canvas, which is copied to the screen; only changed parts are
 //! repainted.
 //!
-//! Copies of egui's images are kept, so that a lost device can be replaced. If that was the
-//! worker's, the window draws with its own until the worker publishes another.
+//! Copies of egui's images are kept, so that a lost device can be replaced. If the worker's device
+//! is lost, the window draws with its own until the worker publishes another.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ use super::damage;
 use super::screen::{PICTURES, Shown, Textures};
 use crate::cli::WindowDevice;
 
-/// Maximum replacements of the device without a shown frame in between.
+/// Maximum replacements of the device without showing a frame in between.
 const MOST_REPLACEMENTS: u32 = 4;
 
 /// A window and its drawing state.
@@ -30,9 +30,9 @@ pub struct Surface {
     window: Arc<Window>,
     /// The device that renders.
     worker: Gpu,
-    /// The requested device.
+    /// The device that the user has requested.
     asked: WindowDevice,
-    /// `None` while it is replaced: a window has one surface at a time.
+    /// State of the device; `None` while it is replaced, since a window has one surface at a time.
     parts: Option<Parts>,
     /// Replacements since the last frame that was shown.
     replaced: u32,
@@ -68,7 +68,7 @@ enum Drawn {
     Shown,
     /// The window is not visible.
     NotNow,
-    /// The surface has changed or is busy.
+    /// The surface has changed or is busy; draw again.
     Again,
     /// The surface or its device is gone.
     Lost,
@@ -110,8 +110,8 @@ impl Surface {
         if self.shares() { self.open(true) } else { Ok(()) }
     }
 
-    /// Sets the picture in a place, or none. Returns its id in egui; `None` if it is of another
-    /// device, in which case the worker will publish another.
+    /// Sets or removes the picture in a place. Returns its id in egui; `None` if it belongs to
+    /// another device, in which case the worker will publish another.
     pub fn set_picture(&mut self, place: usize, picture: Option<Arc<Shown>>) -> Option<TextureId> {
         let kept = self.pictures.get_mut(place)?;
         *kept = picture;
@@ -181,7 +181,7 @@ impl Surface {
     ) -> anyhow::Result<()> {
         if self.parts.as_ref().is_none_or(Parts::is_lost) {
             self.replace()?;
-            // This frame's shapes refer to textures of the lost device.
+            // This frame's shapes refer to textures of the lost device: draw another.
             self.window.request_redraw();
         }
         let freed = self.take_images(&mut delta);
@@ -231,15 +231,15 @@ impl Surface {
             .into());
         }
         tracing::warn!("the window's device was lost; going on with a new one");
-        // Do not share: wgpu reports a loss only after a failure, and egui panics on a lost device.
-        // The worker replaces its device itself.
+        // Do not share the worker's device: it may be lost, which wgpu reports only after a
+        // failure, and egui panics on a lost device. The worker replaces it itself.
         self.open(false)
     }
 
     /// Opens a surface, with the worker's device if `shares` and it can draw into the window, and
     /// uploads everything to it.
     fn open(&mut self, shares: bool) -> anyhow::Result<()> {
-        // Drop the old one first: a window has one surface at a time.
+        // Drop the old surface first: a window has one at a time.
         self.parts = None;
         let mut parts = Parts::new(&self.window, &self.worker, shares)?;
         parts.guarded(|parts| {
@@ -330,7 +330,7 @@ impl Parts {
         self.is_broken || self.gpu.is_lost()
     }
 
-    /// Calls the device. Counts out-of-memory errors and driver failures as its loss.
+    /// Calls the device. Treats out-of-memory errors and driver failures as its loss.
     fn guarded<T>(&mut self, call: impl FnOnce(&mut Self) -> T) -> T {
         let device = self.gpu.device.clone();
         let (done, is_broken) = guarded(&device, || call(self));
@@ -346,8 +346,8 @@ impl Parts {
         self.textures.bind(place, picture, &self.gpu, &mut self.painter)
     }
 
-    /// Resizes the surface to the window's size, px. `false` if the device refuses, as when the
-    /// worker submits at the same time; the surface then keeps its size.
+    /// Resizes the surface to the window's size, px. Returns `false` if the device refuses, for
+    /// example while the worker submits; the surface then keeps its size.
     fn resize(&mut self, size: [u32; 2]) -> bool {
         let device = &self.gpu.device;
         let most = device.limits().max_texture_dimension_2d;
@@ -432,7 +432,7 @@ impl Parts {
 
 /// Opens a device for the window only.
 fn own_device(instance: &wgpu::Instance, surface: &wgpu::Surface<'_>) -> anyhow::Result<Gpu> {
-    // Panels are little work: with two GPUs, use the low-power one.
+    // Panels are little work: prefer the low-power GPU.
     let options = wgpu::RequestAdapterOptions {
         power_preference: wgpu::PowerPreference::LowPower,
         compatible_surface: Some(surface),
@@ -453,8 +453,8 @@ fn own_device(instance: &wgpu::Instance, surface: &wgpu::Surface<'_>) -> anyhow:
     Ok(Gpu::with_device(instance.clone(), adapter, device, queue))
 }
 
-/// Calls a device in error scopes, since the worker may share it. Also returns whether memory was
-/// missing or the driver has failed.
+/// Calls a device in error scopes, since the worker may share it. Also returns whether it ran out
+/// of memory or the driver failed.
 fn guarded<T>(device: &wgpu::Device, call: impl FnOnce() -> T) -> (T, bool) {
     use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
     let scopes = [Validation, OutOfMemory, Internal].map(|filter| device.push_error_scope(filter));

@@ -1,8 +1,8 @@
 //! The terminal beside the window.
 //!
-//! [`spawn`] reads lines on its own thread; its [`Terminal`] prints above the line that is being
-//! edited. If the program ends while a line is edited, the terminal is in the editor's mode;
-//! [`Restore`] resets it.
+//! [`spawn`] reads lines on its own thread; its [`Terminal`] prints above the line being edited. If
+//! the program ends during editing, the terminal is still in the editor's mode; [`Restore`] resets
+//! it.
 
 use std::io::{self, IsTerminal as _, Write as _};
 use std::sync::mpsc::Sender;
@@ -21,7 +21,7 @@ pub struct Terminal {
 }
 
 enum Printer {
-    /// Prints above the line that is being edited.
+    /// Prints above the line being edited.
     Beside(Box<dyn FnMut(String) -> bool + Send>),
     /// Prints to stdout directly.
     Plain,

@@ -3,11 +3,11 @@
 
 use egui::{Color32, Context, CornerRadius, FontFamily, FontId, Stroke, TextStyle, Visuals, vec2};
 
-/// Active and selected items.
+/// Colour of active and selected items.
 pub const ACCENT: Color32 = Color32::from_rgb(0xf2, 0xa9, 0x3b);
-/// Active and selected items, as a background.
+/// Background of active and selected items.
 pub const ACCENT_DARK: Color32 = Color32::from_rgb(0x6e, 0x4c, 0x16);
-/// Errors.
+/// Colour of errors.
 pub const ERROR: Color32 = Color32::from_rgb(0xff, 0x7b, 0x72);
 /// Background of panels.
 pub const PANEL: Color32 = Color32::from_rgb(0x20, 0x22, 0x26);
@@ -17,14 +17,14 @@ pub const DEEP: Color32 = Color32::from_rgb(0x15, 0x16, 0x19);
 pub const TEXT: Color32 = Color32::from_rgb(0xd4, 0xd6, 0xda);
 /// Explanatory text.
 pub const WEAK: Color32 = Color32::from_rgb(0x9a, 0x9e, 0xa6);
-/// The x, y and z axes.
+/// Colours of the x, y and z axes.
 pub const AXES: [Color32; 3] = [
     Color32::from_rgb(0xef, 0x5b, 0x5b),
     Color32::from_rgb(0x6c, 0xc4, 0x5a),
     Color32::from_rgb(0x4f, 0x9d, 0xf7),
 ];
-/// Stages in plots, distinct on a dark background for colour-blind readers, too (after Okabe and
-/// Ito 2008).
+/// Colours of stages in plots, which colour-blind readers can tell apart on a dark background
+/// (after Okabe and Ito 2008).
 pub const STAGES: [Color32; 8] = [
     Color32::from_rgb(0x8c, 0x8c, 0x8c),
     Color32::from_rgb(0xcc, 0x79, 0xa7),

@@ -7,7 +7,7 @@ use crate::window::model::{LogKind, Model};
 use crate::window::outbox::Outbox;
 use crate::window::theme;
 
-/// Maximum lines of the history, for the arrow keys.
+/// Maximum lines of the history that the arrow keys show.
 const HISTORY: usize = 500;
 
 /// State of the input line.
@@ -55,7 +55,7 @@ impl State {
         }
     }
 
-    /// Completes the last word as far as the candidates agree; lists them if there are several.
+    /// Completes the last word to the candidates' common prefix; lists several candidates.
     fn complete(&mut self, start: usize, candidates: Vec<String>) {
         if let Some(first) = candidates.first() {
             let common = candidates.iter().skip(1).fold(first.as_str(), |common, other| {

@@ -7,7 +7,7 @@ use std::sync::mpsc::{self, Receiver, TryRecvError};
 /// The open dialog, if any.
 #[derive(Debug, Default)]
 pub struct Dialogs {
-    /// The command for the file, and the receiver of its path.
+    /// The command to run on the chosen file, and the receiver of the file's path.
     waiting: Option<(&'static str, Receiver<Option<PathBuf>>)>,
 }
 

@@ -8,7 +8,7 @@ use crate::window::theme;
 
 /// Height of the bars, points.
 const HEIGHT: f32 = 64.0;
-/// Stops that are shown below middle grey, and above it.
+/// Stops shown below and above middle grey.
 const AROUND_GREY: [f32; 2] = [10.0, 7.0];
 
 /// Draws a bar for each quarter of a stop, around middle grey at the current exposure, so that the

@@ -73,7 +73,7 @@ fn chosen(ui: &mut Ui, name: &str, light: &Light, outbox: &mut Outbox) {
                 });
                 let low = field.range(light).0 as f32;
                 let numbers = numbers.map(|number| number.max(low));
-                // A direction must not be zero; an optional vector of zeros is none.
+                // A direction must not be zero; an optional vector of zeros means none.
                 let is_zero = numbers.iter().all(|number| *number == 0.0);
                 if changed.inner && !(is_zero && field.form == LightForm::Direction) {
                     outbox.set_numbers(&key, numbers, line(&key, &numbers, field.is_optional()));
@@ -83,7 +83,7 @@ fn chosen(ui: &mut Ui, name: &str, light: &Light, outbox: &mut Outbox) {
     }
 }
 
-/// A number; if it is optional, 0 is none.
+/// Draws a number; 0 means none if it is optional.
 fn number(ui: &mut Ui, outbox: &mut Outbox, of: (&LightField, &Light), key: &str, now: f32) {
     let (field, light) = of;
     let (is_optional, unit) = (field.is_optional(), field.unit(light.kind));
@@ -91,10 +91,10 @@ fn number(ui: &mut Ui, outbox: &mut Outbox, of: (&LightField, &Light), key: &str
         let [mut value] = outbox.numbers(key, [now]);
         let speed = f64::from(value.abs().max(0.01)) * 0.01;
         let (low, high) = field.range(light);
-        // The least value above 0 would be rounded to 0.
+        // Smaller values would be rounded to 0.
         let low = if low > 0.0 && !is_optional { 0.01 } else { low as f32 };
         let is_none = is_optional && value == 0.0;
-        // Rounding must not exceed the range.
+        // Rounding the greatest value up would exceed the range.
         let greatest = (high as f32).min(f32::MAX);
         let high = if f64::from(greatest) > high { greatest.next_down() } else { greatest };
         let drag = DragValue::new(&mut value).range(low..=high).clamp_existing_to_range(false);
@@ -124,7 +124,7 @@ fn surroundings(ui: &mut Ui, scene: &SceneModel, outbox: &mut Outbox) {
         weak(ui, format!("Surroundings: {panorama}"));
         return;
     }
-    // A colour and a strength, since values in cd/m² exceed a colour button's range.
+    // Edit a colour and a strength: values in cd/m² exceed a colour button's range.
     row(ui, "Surroundings", "Radiance from all around, cd/m\u{b2}", |ui| {
         let now = outbox.numbers("environment", scene.environment.to_array());
         let peak = Vec3::from(now).max_element();

@@ -38,8 +38,8 @@ fn section(ui: &mut Ui, title: &str, is_open: bool, contents: impl FnOnce(&mut U
     header.openness > 0.0
 }
 
-/// Draws a panel's contents without letting them widen it: contents that are a point too wide would
-/// widen it again in every frame.
+/// Draws a panel's contents without widening the panel: contents one point too wide would widen it
+/// in every frame.
 fn fixed<T>(ui: &mut Ui, contents: impl FnOnce(&mut Ui) -> T) -> T {
     let rect = ui.available_rect_before_wrap();
     let _ = ui.allocate_rect(rect, egui::Sense::hover());

@@ -8,7 +8,7 @@ use super::widgets::{is_rounded, reset, rest_width, row, vector};
 use crate::window::model::Model;
 use crate::window::outbox::Outbox;
 
-/// Numbers in a range at most this wide have a slider.
+/// The widest range of numbers that has a slider.
 const WIDEST_SLIDER: f32 = 64.0;
 
 /// Draws all settings of a group.
@@ -18,7 +18,7 @@ pub fn group(ui: &mut Ui, group: Group, model: &Model, outbox: &mut Outbox) {
     }
 }
 
-/// Draws the setting of a name.
+/// Draws the setting of this name.
 pub fn named(ui: &mut Ui, name: &str, model: &Model, outbox: &mut Outbox) {
     if let Some(parameter) = find_parameter(name) {
         show(ui, parameter, model, outbox);
@@ -122,7 +122,7 @@ fn field(
                 .accessible_name(title);
             (name != before).then_some(Value::Choice(name))
         }
-        // The value does not match the kind, which the table's tests rule out.
+        // The table's tests rule out values that do not match their kind.
         _ => None,
     }
 }

@@ -86,7 +86,7 @@ fn plot(ui: &mut Ui, shown: &[FrameTime]) {
         }
         low = high;
     }
-    // Time outside the stages; all of it while stages are not timed.
+    // Time outside of stages; the whole frame's while stages are not timed.
     let total: Vec<f64> =
         low.iter().zip(shown).map(|(low, frame)| f64::from(frame.total_ms).max(*low)).collect();
     areas.push(

@@ -38,14 +38,14 @@ pub struct State {
     pub mode: Mode,
     /// The handle that is being dragged.
     drag: Option<gizmo::Drag>,
-    /// Position of the split, as a share of the picture's width.
+    /// Position of the split slider, as a share of the picture's width.
     split: f32,
     /// The last light probe: place, number of the picture, and time.
     probed: Option<(Vec2, u64, Instant)>,
     /// [`Model::opened`] of the last model, and of the scene whose hint was closed.
     opened: u64,
     closed_hint: u64,
-    /// `Some` if the next selection is to be framed: [`Model::selections`] at the request.
+    /// `Some` if the next selection is to be framed; holds [`Model::selections`] at the request.
     frames_after: Option<u64>,
 }
 
@@ -65,8 +65,8 @@ impl Default for State {
 }
 
 impl State {
-    /// Handles changes of the model: ends the drag of another scene's object, and frames a
-    /// selection by a double click.
+    /// Handles changes of the model: ends a drag if the scene was replaced, and frames what a
+    /// double click has selected.
     pub fn look(&mut self, model: &Model, outbox: &mut Outbox) {
         if model.opened != self.opened {
             self.opened = model.opened;
@@ -81,18 +81,18 @@ impl State {
     /// The light under the pointer; `None` until it is measured.
     pub fn light_under_pointer(&self, published: &Published) -> Option<Photometry> {
         let (at, ..) = self.probed?;
-        // Until then, show the light of a place nearby.
+        // Meanwhile, show the light of a nearby place.
         published.light.as_ref().filter(|light| light.at.distance(at) < 0.02)?.light
     }
 }
 
-/// The data that the picture's panel shows, and the state that its mouse and keys change.
+/// The data that the picture's panel shows, and the state that mouse and keys change.
 struct Panel<'a> {
     published: &'a Published,
     model: &'a Model,
     scene: &'a SceneModel,
     state: &'a mut State,
-    /// Flying speed.
+    /// Flying speed, as a multiple of the default.
     speed: &'a mut f32,
     outbox: &'a mut Outbox,
 }
@@ -141,7 +141,7 @@ fn fitted(area: Rect, published: &Published) -> Rect {
     let size = vec2(shown.size.x as f32, shown.size.y as f32);
     let scale = (area.width() / size.x).min(area.height() / size.y);
     let fitted = Rect::from_center_size(area.center(), size * scale);
-    // Leave no rim if the sizes differ only by rounding.
+    // Fill the whole area if the sizes differ only by rounding.
     if (fitted.width() - area.width()).abs() < 6.0 && (fitted.height() - area.height()).abs() < 6.0
     {
         area
@@ -201,7 +201,7 @@ fn hint(ui: &Ui, rect: Rect, text: &str) {
     ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, font, theme::WEAK);
 }
 
-/// Minimum time between two light probes.
+/// Minimum time between two light probes while the pointer moves.
 const PROBE_EVERY: Duration = Duration::from_millis(100);
 /// Minimum time between two light probes while the pointer rests and the picture converges.
 const PROBE_AGAIN: Duration = Duration::from_millis(500);
@@ -257,11 +257,11 @@ fn explain(ui: &Ui, rect: Rect, panel: &mut Panel<'_>) {
     });
 }
 
-/// Why a scene may look dark, and what helps.
+/// The note that explains why a scene may look dark.
 const EMISSION_ALONE: &str =
     "Lit by its own emission alone: if that is too little, add a light or choose surroundings.";
 
-/// The command that lights such a scene: a sun that is neither low nor at noon.
+/// The remedy's command: a sky with a sun of medium height.
 const SKY: &str = "sky 40,120";
 
 /// Draws lights, the selected object's box, and the handles.
@@ -390,7 +390,7 @@ fn mouse(
             panel.move_camera(|camera| camera::orbit(camera, pivot, turn));
         }
     } else if response.dragged_by(PointerButton::Secondary) && delta != egui::Vec2::ZERO {
-        // The picture follows the pointer.
+        // At half the angle, the picture follows the pointer.
         panel.move_camera(|camera| camera::look(camera, turn * 0.5));
     } else if response.dragged_by(PointerButton::Middle) && delta != egui::Vec2::ZERO {
         pan(panel, delta, rect);
@@ -420,7 +420,7 @@ fn pan(panel: &mut Panel<'_>, delta: egui::Vec2, rect: Rect) {
     }
 }
 
-/// Selects a light there and returns `true`, or else asks the worker to pick an object.
+/// Selects a light at `at` and returns `true`, or else asks the worker to pick an object.
 fn click(view: &Projection, at: Pos2, rect: Rect, panel: &mut Panel<'_>) -> bool {
     let lamp = panel.scene.lights.iter().filter(|(_, light)| selection::is_lamp(light)).find(
         |(_, light)| view.project(light.position).is_some_and(|there| there.distance(at) < REACH),
@@ -458,7 +458,7 @@ fn wheel(ui: &Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// Handles the keys of flight.
+/// Handles the keys for flying.
 fn keys(ui: &Ui, panel: &mut Panel<'_>) {
     if ui.ctx().egui_wants_keyboard_input() {
         return;

@@ -15,7 +15,7 @@ use crate::window::theme;
 /// Interval at which times are updated. A spinner would repaint constantly, and take CPU time from
 /// the renderer.
 const TICK: Duration = Duration::from_millis(250);
-/// Activities that are shorter are not shown.
+/// Activities shorter than this are not shown.
 const SOON: Duration = Duration::from_millis(400);
 
 /// Draws the status bar, with the light under the pointer.
@@ -82,7 +82,7 @@ pub fn show(ui: &mut Ui, published: &Published, light: Option<Photometry>, outbo
 
 /// Draws the worker's activity, its duration, and its progress.
 fn doing(ui: &mut Ui, model: &Model, doing: &Doing) {
-    // The time changes without a new model.
+    // The shown time changes without a new model.
     ui.ctx().request_repaint_after(TICK);
     // Jobs show their own progress.
     if doing.since.elapsed() < SOON || !model.jobs.is_empty() {
@@ -98,7 +98,7 @@ fn doing(ui: &mut Ui, model: &Model, doing: &Doing) {
     ui.separator();
 }
 
-/// Words with the time since something began.
+/// `words` with the time since `since`.
 fn with_time(words: &str, since: Option<Instant>) -> String {
     match since.map(|since| since.elapsed().as_secs()) {
         None | Some(0) => words.to_owned(),

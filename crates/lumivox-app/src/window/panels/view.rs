@@ -11,7 +11,8 @@ use super::{histogram, parameters};
 use crate::window::model::{Comparand, Model};
 use crate::window::outbox::Outbox;
 
-/// Draws the view, comparison and camera: the name to store it under, and its speed of flight.
+/// Draws the view, the comparison and the camera, with the name to store it under and its flying
+/// speed.
 pub fn show(
     ui: &mut Ui,
     model: &Model,

@@ -13,7 +13,7 @@ use crate::window::theme;
 /// Draws the settings, figures and memory.
 pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     parameters::group(ui, Group::Volume, model, outbox);
-    // It is also among the light settings, hence the id.
+    // The light settings also show this setting, hence the id.
     ui.push_id("volume", |ui| parameters::named(ui, "injection", model, outbox));
     revoxelize(ui, model, outbox);
     let voxels = &model.voxels;

@@ -65,7 +65,7 @@ pub fn vector(
     is_changed
 }
 
-/// A line of a list, which fills the remaining width except `spare`.
+/// A line of a list, as wide as the remaining width minus `spare`.
 pub fn item(ui: &mut Ui, is_chosen: bool, text: RichText, spare: f32) -> Response {
     let size = vec2((ui.available_width() - spare).max(20.0), 18.0);
     let layout =
@@ -77,7 +77,7 @@ pub fn item(ui: &mut Ui, is_chosen: bool, text: RichText, spare: f32) -> Respons
     .inner
 }
 
-/// Whether a slider has only rounded the previous value to its decimals.
+/// Whether the slider has only rounded the previous value to its number of decimals.
 pub fn is_rounded(now: f32, before: f32, decimals: i32) -> bool {
     (now - before).abs() <= 0.5001 * 10.0_f32.powi(-decimals)
 }
