@@ -66,13 +66,13 @@ fn a_sequence_plays_the_animation_in_one_grid() {
     let read = |number: usize| fs::read(path.join(format!("play_{number}.exr"))).unwrap();
     let pictures: HashSet<_> = (0..4).map(read).collect();
     assert_eq!(pictures.len(), 4, "each picture shows another pose");
-    // One grid, which contains all poses of the scene.
+    // One grid contains all poses of the scene.
     let voxel = report["grid"]["voxel_size_m"].as_f64().unwrap();
     let origin = report["grid"]["origin"][0].as_f64().unwrap();
     assert!(origin < -1.0 && voxel * 32.0 >= 2.0, "{report}");
 
-    // A picture rendered on its own is the same: it has no history, and exposure and unit do not
-    // depend on where a run begins.
+    // A picture rendered on its own is the same: it has no history, and exposure and unit of
+    // radiance do not depend on the first picture of a run.
     let before = read(2);
     fs::remove_file(path.join("play_2.exr")).unwrap();
     let again = lumivox(path, &line).expect_ok().json();
@@ -134,8 +134,8 @@ fn ranges_rendered_separately_match_the_whole_sequence() {
     }
 }
 
-/// Only the moving plate: its left edge is at -0.9 m in the first of three pictures, and its right
-/// edge at 0.9 m in the last.
+/// Renders only the moving plate: its left edge is at -0.9 m in the first of three pictures, and
+/// its right edge at 0.9 m in the last.
 #[test]
 fn the_grid_holds_all_poses() {
     let folder = moving();

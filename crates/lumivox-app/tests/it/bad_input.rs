@@ -101,7 +101,7 @@ fn option_values_out_of_range_are_refused() {
         let line = format!("render builtin:cornell -o a.png {option} {value}");
         expect_error(folder.path(), &line, INPUT, &[option, value, needle]);
     }
-    // The number of levels is known only once the grid exists.
+    // The number of levels is not known before the grid exists.
     let line = "render builtin:cornell -o a.png --resolution 16 --size 8x8 --level 5";
     expect_error(folder.path(), line, INPUT, &["voxel level", "from 0 to 2"]);
 }
@@ -167,7 +167,7 @@ fn a_read_only_output_folder_is_refused() {
     let locked = folder.path().join("locked");
     fs::create_dir(&locked).unwrap();
     fs::set_permissions(&locked, fs::Permissions::from_mode(0o555)).unwrap();
-    // The superuser ignores permissions, except in the kernel's own folder.
+    // The superuser ignores permissions, except below /proc.
     let locked = if fs::write(locked.join("test"), "").is_ok() { "/proc" } else { "locked" };
     if Path::new("/proc/self").exists() || locked == "locked" {
         let line = format!("render builtin:cornell -o {locked}/a.png");

@@ -34,7 +34,8 @@ fn probes_in_a_furnace_see_its_light_from_all_sides() {
         );
         let (size, light) = texels(&path.join("light.ktx2"));
         assert_eq!((size, light.len()), ([4, 6, 12], 288));
-        // The furnace emits 1 cd/m2 and reflects half of the light that arrives: 2 everywhere.
+        // The furnace emits 1 cd/m2 and reflects half of the incident light: radiance is 2
+        // everywhere.
         for (texel, light) in light.into_iter().enumerate() {
             assert!((light / 2.0 - 1.0).abs() < tolerance, "{method}: {light} at {texel}");
         }

@@ -1,4 +1,4 @@
-//! `lumivox bench`: positive figures, rows that say why they have no figures, and readable reports.
+//! `lumivox bench`: positive figures, the reasons of rows without figures, and readable reports.
 
 use std::fs;
 
@@ -28,7 +28,8 @@ fn check_part(part: &Value) -> Vec<&str> {
     stages.iter().map(|stage| stage["stage"].as_str().unwrap()).collect()
 }
 
-/// Checks that all rows of a table have as many cells as its heading; returns the tables' number.
+/// Checks that all rows of each table have as many cells as its heading; returns the number of
+/// tables.
 fn check_tables(page: &str) -> usize {
     let cells = |line: &str| line.replace("\\|", "").matches('|').count();
     let mut tables = 0;
@@ -84,7 +85,7 @@ fn a_benchmark_reports_the_machine_and_every_stage() {
     for stage in ["voxelize", "light", "bounce", "filter"] {
         assert!(change.contains(&stage), "{change:?}");
     }
-    // Six cones a pixel, of several samples each.
+    // Each pixel has six cones with several samples each.
     let cones = &still["cones"];
     assert_eq!(cones["is_counted"], true);
     assert!(number(&cones["samples"]) > 32.0 * 18.0 * 6.0, "{cones}");
@@ -110,7 +111,7 @@ fn cases_that_do_not_fit_are_listed_with_reason() {
         assert!(problem.contains("resolution"), "{problem}");
     }
     let page = lumivox(folder.path(), line.trim_end_matches("--json -")).expect_ok().stdout;
-    // How much memory is free changes from run to run.
+    // Free memory differs from run to run.
     let problem = rows[0]["problem"].as_str().unwrap().split(", but").next().unwrap();
     assert!(page.contains(problem), "{page}");
     check_tables(&page);

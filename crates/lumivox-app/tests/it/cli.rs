@@ -1,4 +1,4 @@
-//! The program as its users meet it: help, lists, reports, pictures.
+//! The program as users see it: help, lists, reports, pictures.
 
 use std::fs;
 
@@ -202,7 +202,7 @@ fn a_picture_is_rendered_and_reported() {
 fn two_runs_give_the_same_bytes() {
     let folder = folder();
     let line = |name: &str| format!("render builtin:cornell -o {name}.exr {SMALL}");
-    // On the device that the tests share, and in a separate process.
+    // Run on the device that tests share, and in a separate process.
     let here = lumivox(folder.path(), &line("a"));
     let alone = process(folder.path(), &line("b").split(' ').collect::<Vec<_>>(), "");
     let [first, second] = [("a", here), ("b", alone)].map(|(name, run)| {
@@ -295,7 +295,7 @@ fn a_scene_without_models_has_no_infinite_bounds() {
     assert!(voxels.code != 0 && !voxels.stderr.contains("inf"), "{}", voxels.stderr);
 }
 
-/// VXCT's parameters, and its way to name scenes.
+/// Accepts VXCT's parameters and its names of scenes.
 #[test]
 fn the_vxct_preset_accepts_vxct_parameters() {
     let folder = folder();

@@ -42,7 +42,7 @@ fn two_renderings_are_compared() {
 fn screens_are_compared_in_linear_light_and_drawn() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    // Codes 188 and 137 are 0.5029 and 0.2502 of white.
+    // sRGB codes 188 and 137 are 0.5029 and 0.2502 of white.
     png(&at("reference.png"), 4, 3, &[188]);
     png(&at("ours.png"), 4, 3, &[137]);
     let run = lumivox(folder.path(), "compare --images reference.png ours.png -o strip.png");
@@ -52,7 +52,7 @@ fn screens_are_compared_in_linear_light_and_drawn() {
         assert!(text.contains(word), "{word} is missing in {text}");
     }
     let strip = image::open(at("strip.png")).unwrap();
-    // Enlarged 90 times, three side by side.
+    // Three pictures side by side, each enlarged 90 times.
     assert!(strip.width() > 3 * 360 && strip.height() > 270, "{}", strip.width());
 }
 

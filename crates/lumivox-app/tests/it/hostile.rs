@@ -9,12 +9,12 @@ use serde_json::{Value, json};
 
 use crate::common::{CORNER, INPUT, Run, container, folder, glb, lumivox, lumivox_with};
 
-/// Clears the screen, retitles the terminal, has a C1 control character, forges lines, and reverses
-/// text.
+/// A name that clears the screen, retitles the terminal, contains a C1 control character, forges
+/// lines, and reverses text.
 const EVIL: &str =
     "\u{1b}[2J\u{1b}]0;owned\u{7}\u{9b}31m\rerror: forged\nwarning: forged\u{202e}txt\u{7f}";
 
-/// The corner, with parts that are all named [`EVIL`], and a missing image.
+/// The corner with all parts named [`EVIL`], and a missing image.
 fn evil_glb() -> Vec<u8> {
     let bin: Vec<u8> = CORNER.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
     let document = json!({
@@ -131,8 +131,8 @@ fn names_printed_by_the_console_can_be_read_back() {
     let path = folder.path();
     fs::write(path.join("evil.glb"), evil_glb()).unwrap();
     let words = ["run", "-", "--scene", "evil.glb", "--size", "16x9"];
-    // Objects, materials and lights have spaces for control characters; all names have escapes for
-    // direction marks.
+    // Names of objects, materials and lights have spaces in place of control characters; all names
+    // have escapes in place of direction marks.
     let hide = "hide \" [2J ]0;owned  31m error: forged warning: forged\\u{202e}txt \"";
     let camera = "camera \"\\u{1b}[2J\\u{1b}]0;owned\\u{7}\\u{9b}31m\\u{d}error: forged\\u{a}warning: \
                   forged\\u{202e}txt\\u{7f}\"";
@@ -159,7 +159,7 @@ fn file_names_are_escaped_for_the_terminal() {
     for words in [
         &["info", evil][..],
         &["info", "b\u{1b}[31m\nerror: forged.glb"],
-        // Too many names, or a name in place of a value, as when a shell fills them in.
+        // Too many names, or a name instead of a value, as if a shell had filled them in.
         &["info", evil, evil],
         &["info", evil, "--resolution", evil],
     ] {
@@ -170,8 +170,7 @@ fn file_names_are_escaped_for_the_terminal() {
     assert_eq!(report["name"], Value::from("a\u{1b}[31m\nerror: forged"));
 }
 
-/// Runs the program, which must end by itself: opening a pipe without a writer would block for
-/// ever.
+/// Runs the program, which must end by itself: opening a pipe without a writer would block forever.
 #[cfg(unix)]
 #[track_caller]
 fn ends(folder: &Path, line: &str) -> Run {
@@ -231,7 +230,7 @@ fn pipes_are_refused_wherever_a_file_is_named() {
         assert!(run.stderr.contains("it is a pipe, not a file"), "{line}: {}", run.stderr);
         assert!(run.stderr.contains(pipe), "{line}: {}", run.stderr);
     }
-    // Devices are not files, either.
+    // Devices are rejected, too.
     let run = ends(path, "render corner.glb -o a.png --environment /dev/zero");
     assert_eq!(run.code, INPUT, "{}", run.stderr);
     assert!(run.stderr.contains("it is a device, not a file"), "{}", run.stderr);
@@ -286,7 +285,7 @@ fn required_extensions_are_ignored_when_asked() {
     assert!(loaded.stdout.contains("new.glb --ignore-required"), "{}", loaded.stdout);
 }
 
-/// A stray vertex makes the scene useless: the message names the vertex.
+/// A stray vertex makes the scene useless; the message names it.
 #[test]
 fn a_stray_vertex_is_named() {
     let folder = folder();
@@ -300,7 +299,7 @@ fn a_stray_vertex_is_named() {
         let told = lumivox(path, &line).stderr;
         assert!(told.contains(place) && told.contains("move or remove it"), "{line}: {told}");
     }
-    // Also if there is a picture, of a speck.
+    // The message also appears if the picture shows a speck.
     stray[14] = [1e6, 0.0, 0.0];
     fs::write(path.join("stray.glb"), glb(&stray)).unwrap();
     let run = lumivox(path, &format!("render stray.glb -o a.png {SMALL}")).expect_ok();

@@ -1,4 +1,4 @@
-//! The program as its users meet it: on the command line, in scripts, in its window.
+//! The program as users see it: on the command line, in scripts, in its window.
 
 #![allow(
     clippy::unwrap_used,

@@ -88,8 +88,8 @@ fn points_use_the_coordinates_of_the_scene_file() {
     assert!(lux[0] < 2500.0 && (lux[1] / lux[0] - 1.0).abs() < 0.03, "{lux:?}");
 }
 
-/// The lamp of [`glb`] lies in the plane of a ceiling, within the resolution of f32, as building
-/// programs place it.
+/// The lamp of [`glb`] lies in the plane of a ceiling, within the resolution of f32, as CAD
+/// programs for buildings place it.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn every_method_lights_a_room_with_a_flush_lamp() {
@@ -144,7 +144,7 @@ fn shadows_finer_than_the_shadow_map_are_reported() {
     for method in ["--method paths --samples 16", "--volume cascades"] {
         let report = lumivox(path, &format!("{line} {method} --json")).expect_ok().json();
         assert_eq!(report["in_lost_shade"], serde_json::json!([]), "{method}");
-        // The sky lights the place, but not the sun.
+        // Only the sky lights the place behind, not the sun.
         let [open, behind] = [0, 1].map(|place| numbers(&report, "lux")[place]);
         assert!(behind < 0.2 * open, "{method}: {behind} of {open} lux");
     }

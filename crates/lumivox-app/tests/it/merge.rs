@@ -55,7 +55,7 @@ fn incompatible_parts_are_refused_by_name() {
         lumivox(path, &format!("{SMALL} {options} --part {part}")).expect_ok();
     }
     fs::write(path.join("text"), "no part").unwrap();
-    // The maker's name starts after the magic number and the name's length.
+    // The maker's name follows the magic number and the name's length.
     let mut other = read(path, "later");
     let cut = other.len() / 2;
     fs::write(path.join("half"), &other[..cut]).unwrap();

@@ -75,7 +75,7 @@ fn a_closed_stdout_is_not_an_error() {
     }
 }
 
-/// These variables of the Vulkan loader name the files of the drivers.
+/// Sets the Vulkan loader's variables for the drivers' files.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_gpu_it_says_what_to_do() {
@@ -117,8 +117,8 @@ fn an_unwritable_stderr_does_not_change_the_exit_code() {
     }
 }
 
-/// The script that builds and starts the program, with a fake cargo that prints what cargo prints
-/// while it builds.
+/// Runs the script that builds and starts the program, with a fake cargo that prints what cargo
+/// prints during builds.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_launcher_works_without_a_writable_stderr() {
@@ -147,8 +147,7 @@ fn the_launcher_works_without_a_writable_stderr() {
     }
 }
 
-/// Mesa's layer that asks the desktop for its preferred GPU prints an "error:" if there is no
-/// desktop.
+/// Mesa's layer asks the desktop for its preferred GPU, and prints an "error:" if there is none.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_desktop_nothing_is_printed_to_stderr() {
@@ -178,7 +177,7 @@ fn rust_log_sets_the_log_level() {
     };
     assert_eq!(said(""), "");
     assert!(said("lumivox=trace,=").contains("warning: RUST_LOG cannot be understood"));
-    // As in the help: matches all crates whose names start like this.
+    // As the help says, `lumivox` matches all crates whose names start with it.
     assert!(said("lumivox=trace").contains("info: "));
     assert_eq!(said("lumivox=error"), "");
 }

@@ -65,7 +65,7 @@ fn a_screen_picture_is_written_too() {
     let png = read(folder.path(), "a.png");
     assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
     assert_eq!(png[16..24], [0, 0, 0, 32, 0, 0, 0, 18]);
-    // One batch does not suffice to estimate the noise.
+    // One batch is not enough to estimate the noise.
     let text = lumivox(folder.path(), &format!("{SMALL} -o a.png --samples 1")).expect_ok().stdout;
     assert!(text.contains("noise: unknown"), "{text}");
 }
@@ -206,7 +206,7 @@ fn two_runs_do_not_share_a_checkpoint() {
     lock.lock().unwrap();
     let needles = ["sums", "another process keeps its sums there"];
     expect_error(path, &line, OUTPUT, &needles);
-    // As if that process died: its lock file stays, but is not locked.
+    // As if that process had died: its lock file stays, but is not locked.
     drop(lock);
     lumivox(path, &line).expect_ok();
     assert_eq!(names(path), ["a.exr", "sums"]);

@@ -142,7 +142,7 @@ fn surroundings_can_be_radiance_a_file_or_sky() {
     let folder = folder();
     let path = folder.path();
     fs::write(path.join("corner.glb"), glb(&CORNER)).unwrap();
-    // 0.5 * 2^(132 - 128): 8 cd/m² from everywhere; six texels wide, too short to be compressed.
+    // 0.5 * 2^(132 - 128) = 8 cd/m² everywhere; six texels are too few for compression.
     fs::write(path.join("eight.hdr"), panorama(6, [128, 128, 128, 132])).unwrap();
     let render = |options: &str| {
         let line = format!("render corner.glb -o a.exr {SMALL} --bounces 1 {options}");

@@ -1,4 +1,4 @@
-//! Sequences as their users meet them: files, index, resuming, refusals.
+//! Sequences as users see them: files, index, resuming, errors.
 
 use std::collections::HashSet;
 use std::fs;
@@ -90,7 +90,7 @@ fn only_missing_pictures_are_rendered_again_with_same_bits() {
     let run = lumivox(folder.path(), &line).expect_ok();
     assert!(run.stdout.contains("3 of them were there already"), "{}", run.stdout);
 
-    // As after a power cut: one picture half written, one gone; the common exposure stays.
+    // As after a power cut, one picture is truncated and one missing; the common exposure stays.
     fs::write(turn.join("0000.png"), &before[0][..40]).unwrap();
     fs::remove_file(turn.join("0002.png")).unwrap();
     let report = lumivox(folder.path(), &format!("{line} --json")).expect_ok().json();
@@ -98,7 +98,7 @@ fn only_missing_pictures_are_rendered_again_with_same_bits() {
     assert!(pictures() == before, "the same pictures");
     assert_eq!(changed(), time, "the middle one was left alone");
 
-    // Other settings are refused, unless all pictures are rendered again.
+    // Other settings are an error, unless all pictures are rendered again.
     let other = line.replace("--frames 1", "--frames 2");
     expect_error(folder.path(), &other, INPUT, &["index.json", "frames was 1, is 2", "--restart"]);
     let slower = line.replace("--fps 3", "--fps 2");
@@ -140,7 +140,7 @@ fn a_resumed_film_with_history_has_the_same_bits() {
     lumivox(path, &alone).expect_ok();
     assert!(read("alone_0.png") == before[0], "the first picture has no history");
     assert!(read("alone_2.png") != before[2], "the last one has");
-    // Rendered without the two before.
+    // This picture was rendered without the two before it.
     let last = read("alone_2.png");
     fs::remove_file(path.join("alone_2.png")).unwrap();
     let report = lumivox(path, &format!("{alone} --json")).expect_ok().json();
@@ -148,8 +148,8 @@ fn a_resumed_film_with_history_has_the_same_bits() {
     assert!(read("alone_2.png") == last);
 }
 
-/// With history, pictures of one frame sample different places within the pixels, so that edges
-/// become smooth.
+/// With history, pictures of one frame sample different places in the pixels, so edges become
+/// smooth.
 #[test]
 fn a_film_of_single_frames_has_smooth_edges() {
     let folder = folder();
@@ -231,20 +231,20 @@ fn an_interrupted_sequence_can_be_resumed() {
     assert_eq!(report["rendered"], 40 - frames);
 }
 
-/// Each would overwrite the index of the other. The second goes on after the first was killed.
+/// Two processes would overwrite each other's index. The second continues once the first is killed.
 #[cfg(unix)]
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_second_process_is_refused_until_the_first_has_ended() {
     let folder = folder();
     let mut child = started(folder.path(), "0001.png");
-    // Suspended, the first cannot end before the second has started.
+    // While suspended, the first process cannot end before the second has started.
     freeze(&child);
     let run = lumivox(folder.path(), FORTY);
     assert_eq!(run.code, OUTPUT, "{}", run.stderr);
     let needle = "turn/index.json: another process renders this sequence; wait until it has ended";
     assert!(run.stderr.contains(needle), "{}", run.stderr);
-    // Another sequence in the folder is not locked.
+    // Other sequences in the folder are not locked.
     let other = FORTY.replace("-o turn", "-o turn/b_##.png").replace("0..4", "0..0.2");
     lumivox(folder.path(), &other).expect_ok();
     // The lock file of a dead process is not locked.
@@ -287,7 +287,7 @@ fn a_camera_path_file_moves_the_camera() {
     assert!((fov - 50.0).abs() < 1e-3);
     assert_eq!(index["settings"]["camera_path"].as_array().unwrap().len(), 3);
 
-    // One time of it is a still.
+    // With a single time, the path gives a still.
     let line = format!(
         "render builtin:cornell -o still.exr {SMALL} --camera-path path.json --time 1 --json"
     );
@@ -325,7 +325,7 @@ fn conflicting_sequence_options_are_refused() {
         ("-o turn/", INPUT, ["nothing moves", "--orbit"]),
         ("-o turn/ --time 0..1", INPUT, ["nothing moves", "--camera-path"]),
         ("-o a.png --time 1", INPUT, ["nothing moves", "cornell"]),
-        // One time is one picture, and `turn` is not a picture's name.
+        // One time means one picture, and `turn` is not a picture's name.
         ("-o turn --orbit 90 --time 1", INPUT, ["turn", ".png"]),
         ("-o turn/ --orbit 90 --time 1", INPUT, ["an orbit is a sequence", "START..END"]),
         ("-o turn --orbit 90 --time 2..1", INPUT, ["--time", "end after it starts"]),

@@ -28,10 +28,10 @@ fn a_scene_is_compared_with_its_truth() {
     let strip = image::open(folder.path().join("strip.png")).unwrap().to_rgb8();
     assert!(strip.width() > 900 && strip.height() > 600, "{:?}", strip.dimensions());
 
-    // The reference is read again, and gives the same figures.
+    // The saved reference gives the same figures.
     let again = lumivox(folder.path(), &line).expect_ok().json();
     assert_eq!(again["full"], report["full"]);
-    // It is refused for anything else.
+    // The reference is rejected for another scene.
     let other = format!("compare builtin:furnace {SMALL} --reference truth.exr");
     expect_error(folder.path(), &other, INPUT, &["truth.exr", "another scene", "delete it"]);
     let more = line.replace("--samples 32", "--samples 64");
@@ -46,7 +46,7 @@ fn a_black_reference_reports_only_the_leak() {
     let folder = folder();
     let line = format!("compare builtin:two-rooms-closed {SMALL} --json");
     let report = lumivox(folder.path(), &line).expect_ok().json();
-    // The truth is black.
+    // The truth is black, so there are no figures.
     assert!(report.get("one_bounce").is_none(), "{report}");
     let leak = report["leak_percent"].as_f64().unwrap();
     assert!((0.0..0.1).contains(&leak), "{leak} %");

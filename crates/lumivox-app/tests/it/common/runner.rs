@@ -1,8 +1,8 @@
 //! Runs of the program: in a separate process, or within this one on a GPU that all tests share.
 //!
-//! A process opens a device and compiles its shaders, which takes longer than most of what is
-//! tested. So tests call the program's library; only tests of the process itself (signals, pipes,
-//! exit codes) start one.
+//! Opening a device and compiling shaders in each process would take longer than most tests. So
+//! tests call the program's library; only tests of the process itself (signals, pipes, exit codes)
+//! start one.
 //!
 //! Scenes and pictures are named relative to the working directory, and tests run in parallel. On
 //! Linux, `unshare(2)` gives a thread its own working directory (part of what `clone(2)` calls
@@ -115,7 +115,8 @@ fn enter(_: &Path) -> bool {
     false
 }
 
-/// One device for default runs, one for portable limits; a new one if a run names an adapter.
+/// Returns a shared device for default runs, another for portable limits, and a new one if a run
+/// names an adapter.
 fn open_gpu(options: &GpuOptions) -> Result<Gpu, RenderError> {
     static USUAL: OnceLock<Gpu> = OnceLock::new();
     static PORTABLE: OnceLock<Gpu> = OnceLock::new();

@@ -134,7 +134,7 @@ fn a_refused_setting_does_not_revert_other_settings() {
     assert!(folder.path().join("c.png").exists());
 }
 
-/// Commands are refused if `matrix` would not accept their result.
+/// Commands fail if `matrix` would not accept their result.
 #[test]
 fn transforms_beyond_the_matrix_range_are_refused() {
     let folder = folder();

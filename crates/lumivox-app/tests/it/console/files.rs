@@ -59,7 +59,7 @@ pub fn animations_play() {
     let middle = session.changes("time 1");
     session.changes("animation rise; time 0.5");
     session.equals("animation 0; time 1", middle);
-    // The end does not wrap to the start.
+    // The animation's end does not wrap to its start.
     session.does("time 2");
     session.says("time", &["time 2 of 2 s"]);
     session.equals("time 0", start);

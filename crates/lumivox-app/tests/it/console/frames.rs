@@ -55,7 +55,7 @@ pub fn revoxelize_modes_update_voxels_or_wait() {
     session.says("vox_freq", &["vox_freq 0.5"]);
     session.does("vox_freq 0.1");
     session.says("revoxelize", &["every 0.1"]);
-    // 0.1 s is slightly more than three frames of a script.
+    // 0.1 s is slightly more than three of a script's frames.
     session.equals("translate 'tall block' 0.1 0.1 0; wait 2", start);
     session.does("wait 2");
     session.equals("echo", moved);

@@ -46,7 +46,7 @@ const SESSIONS: [fn(); 25] = [
     vxct::vxct_time_and_frame_commands_work,
 ];
 
-/// A command is covered if sessions give it to the console by each of its names.
+/// A command is covered if sessions use each of its names.
 #[test]
 fn every_command_has_a_test() {
     let folder = folder();
@@ -60,7 +60,7 @@ fn every_command_has_a_test() {
     let mut count = 0;
     for line in list.lines() {
         let (form, _) = line.split_once(": ").unwrap();
-        // The tests of the settings' table cover all settings.
+        // The tests of the table of settings cover these commands.
         if form.contains("[VALUE]") {
             continue;
         }

@@ -60,7 +60,7 @@ pub fn setmat_accepts_vxct_property_names() {
     session.changes("setmat TallBlock diffuse_str 0.5");
     session.changes("setmat TallBlock ambient_str 0.9");
     let bright = session.changes("setmat TallBlock ambient_str 0.4");
-    // Setting it to 0 and back loses nothing, and the other changes stay.
+    // Setting a strength to 0 and back restores the picture; other changes stay.
     session.changes("setmat TallBlock diffuse_str 0");
     session.equals("setmat TallBlock diffuse_str 0.5", bright);
     session.changes("setmat LeftWall specular_str 1");
@@ -92,16 +92,15 @@ pub fn camera_commands_move_store_and_restore_the_view() {
     session.changes("orbit 20 0 0,0.5,0");
     session.equals("camera 0", start);
     session.changes("camera_axes 0 0.8 1.5 0 0 -1 0 1 0 55");
-    // Forward is where it looks, here -z.
+    // Forward is the camera's direction, here -z.
     session.does("move 0.25 0.5 0.75");
     session.says("camera", &["camera 0.25,1.3,0.75,0.25,1.3,-0.25"]);
-    // Orbit its target to the right, to +x. From there, its right is -z.
+    // Orbit the target to the right, to +x. From there, the camera's right is -z.
     session.does("orbit 90 0 0.25,1.3,-0.25");
     session.says("camera", &["camera 1.2"]);
     session.does("turn 90 0; move 0 0 5");
     session.says("camera", &[",-5.2"]);
-    // Turning up stops at the vertical; 45 degrees down from there, it faces its original
-    // direction.
+    // Turning up stops at the vertical; 45 degrees down from there is the original direction.
     session.does("camera_axes 0 0 0 0 0 -1 0 1 0 55; turn 0 170; turn 0 -45; move 0 0 2");
     session.says("camera", &[",-1.4"]);
     session.does("store 'window seat'");

@@ -5,12 +5,13 @@ use std::fs;
 use super::session::{Session, project};
 use crate::common::{lumivox_with, moving_glb};
 
-/// Runs lines, and what `script` prints after them in a new run; the pictures must be the same.
+/// Runs lines, then in a new run the commands that `script` prints after them; both pictures must
+/// be equal.
 #[track_caller]
 fn repeats(options: &str, lines: &[&str]) {
     let mut session = Session::new(options);
     fs::write(session.folder.path().join("moving.glb"), moving_glb()).unwrap();
-    // A picture first: state that the renderer keeps must not matter.
+    // Render a picture first: the renderer's state must not matter.
     session.picture();
     for line in lines {
         session.does(line);
@@ -24,7 +25,7 @@ fn repeats(options: &str, lines: &[&str]) {
     session.finish();
     let script = fs::read_to_string(kept.join("again.txt")).unwrap();
     let all = script.clone() + "screenshot second.exr\nscreenshot second.png\n";
-    // Without the options from before: the script contains everything.
+    // Omit the first run's options: the script contains everything.
     lumivox_with(&kept, &["run", "-"], &all).expect_ok();
     for (first, second) in [("first.exr", "second.exr"), ("first.png", "second.png")] {
         let read = |name: &str| fs::read(kept.join(name)).unwrap();

@@ -1,4 +1,4 @@
-//! Scripts of the console, with expectations on their output and pictures.
+//! Scripts for the console, with expectations about their output and pictures.
 
 use std::cell::RefCell;
 use std::fs;
@@ -12,12 +12,12 @@ use crate::common::{Run, folder, lumivox_with};
 pub const SMALL: &str = "--size 48x36 --resolution 32 --frames 1";
 
 thread_local! {
-    /// The script of this thread's sessions in a rehearsal; `None` otherwise.
+    /// In a rehearsal, the script of this thread's sessions; else `None`.
     static REHEARSED: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
 /// The lines that a test gives to its sessions, without running them. The test may fail after a
-/// session, since there are no results.
+/// session, as a rehearsal has no results.
 pub fn rehearse(test: fn()) -> String {
     REHEARSED.set(Some(String::new()));
     let _ = std::panic::catch_unwind(test);
@@ -39,7 +39,7 @@ enum Check {
     Says(Vec<String>),
     /// The line's picture differs from the picture of this number.
     Differs(usize),
-    /// The line's picture is the one of this number, to the bit.
+    /// The line's picture equals the picture of this number, to the bit.
     Equals(usize),
     /// Two pictures differ.
     Differ(usize, usize),
@@ -102,14 +102,14 @@ impl Session {
         after
     }
 
-    /// Adds a line after which the picture must be the one of a number, to the bit.
+    /// Adds a line after which the picture must equal the picture of this number, to the bit.
     pub fn equals(&mut self, line: &str, picture: usize) {
         self.does(line);
         let after = self.picture();
         self.checks.push((format!("{after}|{line}"), Check::Equals(picture)));
     }
 
-    /// Two pictures differ.
+    /// Expects that two pictures differ.
     pub fn differs(&mut self, one: usize, other: usize) {
         self.checks.push((format!("pictures {one} and {other}"), Check::Differ(one, other)));
     }

@@ -34,7 +34,7 @@ pub fn vxct_switches_toggle_and_restore_the_picture() {
         session.equals(back, start);
     }
     session.says("side_cones", &["side_cones on"]);
-    // The parts of light are independent switches: one only, and others added to it.
+    // Each part of light has an independent switch: show only one, then add others.
     session.does("all; side_cones off; phong off; vspec off");
     let both = session.changes("echo");
     session.equals("shadows_only; vdiff", both);

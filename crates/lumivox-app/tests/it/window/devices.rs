@@ -22,7 +22,7 @@ fn right(seen: &Seen) -> Seen {
 }
 
 /// All ways of a picture to the screen: the picture, another view beside it, one from main memory,
-/// and the picture in another size. Views without indirect light are quick, and take the same ways.
+/// and the picture in another size. Views without indirect light take the same ways, but are quick.
 fn all_pictures(display: &Display, device: &str) -> Vec<Seen> {
     let home = home();
     let (mut window, first) = open(display, home.path(), device, "albedo");
@@ -62,7 +62,7 @@ fn shared_and_separate_devices_show_the_same_pictures() {
 
 const WORKER_LOST: &str = "going on with a new device";
 
-/// Waits until the picture is as before.
+/// Waits until the picture equals `before`.
 fn wait_for(window: &mut Window, before: &Seen) {
     window.wait("picture on another device", |window| {
         Some(()).filter(|()| window.picture().distance(before) < 1.0)
@@ -89,7 +89,7 @@ fn separate_devices_recover_from_loss_independently() {
     window.wait_rest();
     window.tell("lose_device window");
     window.wait_error("the window's device was lost");
-    // The picture returns without other input.
+    // The picture returns without any input.
     wait_for(&mut window, &first);
     try_both(&mut window, &first);
     let said = window.lines();

@@ -12,7 +12,7 @@ fn the_status_bar_shows_light_under_the_pointer() {
     let status = |window: &Window| {
         let seen = window.see();
         let bottom = seen.height;
-        // Without the left part, which shows how long an activity takes.
+        // Cut off the left part, which shows changing times.
         seen.part((seen.width - 200, bottom - 22), (seen.width, bottom))
     };
     window.point(240, 10);

@@ -1,4 +1,4 @@
-//! The window, used as by a person: with mouse and keys, and by its pixels. Runs under Xvfb, on any
+//! The window, tested as a person uses it: by mouse, keys and pixels. Runs under Xvfb, on any
 //! Vulkan driver.
 
 mod devices;
@@ -13,8 +13,8 @@ use tempfile::TempDir;
 
 use support::{Display, ESCAPE, F2, F11, RETURN, Seen, Window, command};
 
-/// A folder with settings for the smallest window, without panels, so that the picture's place is
-/// known.
+/// A folder with settings for the smallest window, without panels, so that the picture's position
+/// is known.
 fn home() -> TempDir {
     let home = tempfile::tempdir().unwrap();
     let folder = home.path().join("config/lumivox");
@@ -49,7 +49,7 @@ fn open_cornell(display: &Display, home: &Path) -> Window {
     window
 }
 
-/// Waits until the picture is as before.
+/// Waits until the picture equals `before`.
 fn back(window: &mut Window, before: &Seen) {
     window.wait("picture of before", |window| {
         Some(()).filter(|()| window.picture().distance(before) < 1.0)
@@ -79,7 +79,7 @@ fn mouse_and_keys_do_what_they_say() {
     let turned = window.wait_rest();
     assert!(turned.distance(&first) > 4.0);
 
-    // Back to the file's camera, by typing into the window.
+    // Return to the file's camera by typing into the window.
     window.key(F2);
     window.write("camera 0");
     let lines = window.lines().len();
@@ -129,7 +129,7 @@ fn mouse_and_keys_do_what_they_say() {
     let lines = window.wait_line(lines, "> camera ");
     assert!(window.wait_rest().distance(&again) > 4.0);
 
-    // Moves of the camera and selections cannot be undone. The error comes last: its line makes the
+    // Camera moves and selections cannot be undone. Cause the error last: its line makes the
     // picture smaller.
     window.control('z' as u32);
     let lines = window.wait_line(lines, "error: there is nothing to undo");
@@ -158,7 +158,7 @@ fn the_window_survives_resizing_and_minimizing() {
 
     let shown = window.wait_rest();
 
-    // Minimized, it runs lines; restored, it shows their result.
+    // While minimized, the window runs lines; once restored, it shows their result.
     window.unmap();
     let lines = window.lines().len();
     window.tell("hide 'short block'");
@@ -167,7 +167,7 @@ fn the_window_survives_resizing_and_minimizing() {
     window.map();
     window.wait_change("picture without the block", &shown);
 
-    // Closed while it is busy.
+    // Close the window while it is busy.
     window.tell("resolution 64");
     window.tell("frames 65536");
     let lines = window.lines().len();
@@ -257,7 +257,7 @@ fn pictures_are_compared_and_saved() {
     let mut window = open_cornell(&display, home.path());
     let alone = window.wait_rest();
 
-    // The reference is on the right, and changes with its samples.
+    // The reference, on the right, changes with its samples.
     let mut reference = |samples: u32| {
         let lines = window.lines().len();
         window.tell(&format!("compare_with reference {samples}"));
@@ -282,7 +282,7 @@ fn pictures_are_compared_and_saved() {
     window.tell("show 'tall block'");
     window.wait_line(lines, "> show");
     back(&mut window, &alone);
-    // A view that the volume does not have is refused, and the picture still updates.
+    // A view that the volume does not have is an error, and the picture still updates.
     let lines = window.lines().len();
     window.tell("compare_with nodes");
     window.wait_line(lines, "error: ");
@@ -330,7 +330,7 @@ fn settings_are_kept_between_runs() {
     ask("--bounces 5", &["resolution", "bounces"], &["resolution 40", "bounces 5"]);
     ask("", &["resolution", "bounces"], &["resolution 40", "bounces 3"]);
     ask("--fresh", &["resolution"], &["resolution 128"]);
-    // A broken file is a warning.
+    // A broken file causes a warning.
     let file = home.path().join("config/lumivox/window.json");
     let kept = std::fs::read_to_string(&file).unwrap();
     assert!(kept.contains("builtin:cornell"), "{kept}");
@@ -358,13 +358,13 @@ fn files_are_read_again_when_they_change() {
     };
     window.wait("red square", share(is_red));
 
-    // A change of a file that the scene's file names.
+    // Change a file that the scene's file names.
     let lines = window.lines().len();
     write_scene(home.path(), "square", [0.05, 0.8, 0.05]);
     window.wait_line(lines, "again");
     window.wait("green square", share(is_green));
 
-    // A broken file is an error, and the scene stays.
+    // A broken file causes an error, and the scene stays.
     let lines = window.lines().len();
     std::fs::write(home.path().join("square.obj"), "f 1 2 3\n").unwrap();
     let lines = window.wait_line(lines, "stays as it was");

@@ -14,7 +14,7 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
-/// A software GPU that other tests use, too, is slow.
+/// Maximum time of a wait: a software GPU shared with other tests is slow.
 pub const DEADLINE: Duration = Duration::from_mins(5);
 const POLL: Duration = Duration::from_millis(60);
 
@@ -80,7 +80,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// A part, from its top left to its bottom right corner, px.
+    /// The part between a top left and a bottom right corner, px.
     pub fn part(&self, (left, top): (usize, usize), (right, bottom): (usize, usize)) -> Self {
         let (right, bottom) = (right.min(self.width), bottom.min(self.height));
         let rows =
@@ -199,8 +199,7 @@ impl Window {
             .check();
     }
 
-    /// Calls `look` until it returns something; panics with the program's output if it does not in
-    /// time.
+    /// Calls `look` until it returns `Some`; panics with the program's output on timeout.
     #[track_caller]
     pub fn wait<T>(&mut self, what: &str, mut look: impl FnMut(&mut Self) -> Option<T>) -> T {
         let start = Instant::now();
@@ -281,7 +280,7 @@ impl Window {
         self.tell("wait 1000");
         self.tell("wait_shown");
         self.tell("echo complete");
-        // Not as a part of another line: "the reference is complete" may come at any time.
+        // Match the whole line: "the reference is complete" may come at any time.
         self.wait("end of waiting", |window| {
             window.lines().iter().skip(before).any(|line| line == "complete").then_some(())
         });
@@ -313,7 +312,7 @@ impl Window {
 
     pub fn click(&self, x: i16, y: i16) {
         self.point(x, y);
-        // Rest before the press, as a hand does.
+        // Pause before the press, as a person does.
         std::thread::sleep(POLL);
         self.press();
         std::thread::sleep(POLL);
@@ -375,7 +374,7 @@ impl Window {
         self.ended()
     }
 
-    /// Waits for the end; returns the exit code.
+    /// Waits until the program ends; returns the exit code.
     #[track_caller]
     pub fn ended(&mut self) -> i32 {
         let start = Instant::now();
