@@ -1,4 +1,4 @@
-//! A scene driven step by step, as the window drives it: changes, then one frame.
+//! Drives a scene step by step, as the window does: changes, then one frame.
 
 use std::time::Instant;
 
@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::moves::{Pose, Start};
 use super::sequences::Sequence;
 
-/// More frames than any sequence holds still, so that a picture is never complete.
+/// Frames of a picture: more than any sequence holds still, so that it is never complete.
 pub const FRAMES: u32 = 1024;
 
 /// The pictures that a viewer sees at one step.
@@ -31,9 +31,9 @@ pub struct Shown {
 pub struct StepCost {
     /// Wall-clock time of the changes and the frame, with the wait at its end, ms.
     pub ms: f64,
-    /// Samples of the volume that a pixel's cones take; those between voxels are not counted.
+    /// Volume samples of a pixel's cones; samples between voxels do not count.
     pub samples_per_pixel: f64,
-    /// The number of times that the CPU waits for the GPU, the one at the frame's end included.
+    /// Number of times that the CPU waits for the GPU, including the wait at the frame's end.
     pub waits: u64,
     /// Bytes of GPU buffers and textures created in the step.
     pub allocated_bytes: u64,
@@ -94,7 +94,7 @@ impl Drive {
         (self.explorer.scene().unwrap_or(&self.start.scene), self.explorer.camera())
     }
 
-    /// Applies a pose; changes only what differs from it.
+    /// Applies a pose; changes only what differs.
     ///
     /// # Errors
     /// When the scene has no triangles left at a time of its animation.

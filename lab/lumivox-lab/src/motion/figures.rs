@@ -16,8 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use glam::UVec2;
 
-/// The truth at one step: a picture, and for each pixel the variance of its mean over samples,
-/// averaged over the channels.
+/// The truth at one step: a picture, and the variance of each pixel's mean, averaged over channels.
 #[derive(Clone, Copy, Debug)]
 pub struct Known<'a> {
     pub picture: &'a LinearPicture,
@@ -27,18 +26,18 @@ pub struct Known<'a> {
 /// The median and the worst of values over steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
-    /// The median: of an even number the mean of the middle two.
+    /// The median; for an even number, the mean of the middle two.
     pub median: f64,
-    /// The one with the largest absolute value, with its sign.
+    /// The value with the largest magnitude, with its sign.
     pub worst: f64,
 }
 
 /// Median, 95th percentile and worst of the cost of steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CostSpread {
-    /// The median: of an even number the mean of the middle two.
+    /// The median; for an even number, the mean of the middle two.
     pub median: f64,
-    /// The smallest that at least 95 % of the steps do not exceed.
+    /// 95th percentile (nearest rank).
     pub p95: f64,
     /// The largest.
     pub worst: f64,
@@ -73,14 +72,14 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 /// The flicker from one step to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flicker {
-    /// Without the truth's own noise: `sqrt(measured² - noise²)`, or 0 if noise explains all. Exact
-    /// for differences and noise that are normal and alike in all pixels; noise with rare bright
-    /// samples makes it too low.
+    /// Flicker without the truth's noise: `sqrt(measured² - noise²)`, or 0 if noise explains all.
+    /// Exact if differences and noise are normally distributed and alike in all pixels; too low if
+    /// the noise has rare bright samples.
     pub value: f64,
-    /// The measured value, the truth's noise included.
+    /// The measured flicker, including the truth's noise.
     pub with_noise: f64,
-    /// The flicker that only the truth's noise would make: `sqrt(2 / pi)` times the deviation of
-    /// its difference; 0 if both steps share one truth.
+    /// The flicker of only the truth's noise: `sqrt(2 / pi)` times the standard deviation of its
+    /// difference; 0 if both steps share one truth.
     pub noise: f64,
 }
 
@@ -109,7 +108,7 @@ pub fn flicker(
     Some(Flicker::new(measured / mean, noise / mean))
 }
 
-/// The flicker of display values, 0 to 1, at one exposure in stops for both steps.
+/// The flicker of display values, 0 to 1, with both steps exposed by `stops`.
 pub fn flicker_on_screen(
     ours: [&LinearPicture; 2],
     truth: [Known<'_>; 2],
@@ -130,18 +129,18 @@ pub fn flicker_on_screen(
 /// The error of a picture on a screen, in display values from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DisplayError {
-    /// The root mean square over pixels and channels, the truth's noise taken out.
+    /// The root mean square over pixels and channels, without the truth's noise.
     pub rmse: f64,
-    /// `rmse` with the truth's noise left in.
+    /// `rmse` including the truth's noise.
     pub rmse_with_noise: f64,
     /// Our mean minus the truth's, in percent of the truth's; 0 if that is black.
     pub bias_percent: f64,
-    /// The root mean square of the change from the step before to this one.
+    /// The root mean square of the change since the previous step.
     pub change_rmse: f64,
 }
 
-/// The error on a screen at an exposure in stops; `ours` has the picture of the step before, and
-/// that of the truth's step.
+/// The error on a screen at an exposure in stops. `ours`: the previous step's picture, and that of
+/// the truth's step.
 pub fn error_on_screen(ours: [&LinearPicture; 2], truth: Known<'_>, stops: f32) -> DisplayError {
     let shown = |picture: &LinearPicture| -> Vec<f64> {
         picture.to_display(stops).flatten().map(f64::from).collect()
@@ -184,8 +183,8 @@ fn noise_of_change(variances: [&[f32]; 2]) -> f64 {
     (2.0 / std::f64::consts::PI).sqrt() * sum / variances[0].len().max(1) as f64
 }
 
-/// The variance of display values: the square of half the difference between a pixel one deviation
-/// brighter and one darker.
+/// The variance of display values: the square of half the difference between the pixel one standard
+/// deviation brighter and one darker.
 fn variance_on_screen(truth: Known<'_>, stops: f32) -> Vec<f32> {
     let shifted = |sign: f32| {
         let pixels = truth.picture.rgb.iter().zip(truth.variance);
@@ -214,11 +213,11 @@ pub fn share_of_change(before: f64, after: f64, now: f64) -> Option<f64> {
     (change.abs() > f64::EPSILON * before.abs().max(after.abs())).then(|| (now - before) / change)
 }
 
-/// The trail: how much of the picture before a change is left. With `s` the difference of the
-/// settled pictures before and after, it is the `t` for which `after + t s` is closest to the
-/// present picture. `None` if both are equal.
+/// The trail: the share of the picture before a change that is left. With `s` the settled picture
+/// before minus that after, it is the `t` for which `after + t s` is closest to the present
+/// picture. `None` if both are equal.
 ///
-/// Noise has no mean, so it hardly moves `t`; nor does light that is missing or added elsewhere,
+/// Noise, whose mean is 0, hardly affects `t`; nor does light that is missing or added elsewhere,
 /// unless it is distributed like `s`.
 pub fn trail(now: &LinearPicture, before: &LinearPicture, after: &LinearPicture) -> Option<f64> {
     let (mut along, mut square) = (0.0, 0.0);
@@ -232,7 +231,7 @@ pub fn trail(now: &LinearPicture, before: &LinearPicture, after: &LinearPicture)
     (square > 0.0).then(|| along / square)
 }
 
-/// The errors of some pixels, pooled over steps. FLIP is left out: they have no neighbours.
+/// The errors of some pixels, pooled over steps; without FLIP, which needs neighbouring pixels.
 #[derive(Clone, Debug, Default)]
 pub struct Pool {
     reference: Vec<[f32; 3]>,
@@ -278,8 +277,8 @@ mod tests {
         assert!((a - b).abs() < 1e-6, "{a} is not {b}");
     }
 
-    /// The truth brightens by 1 and 0, ours by 1 and 2 (and by -2 in the second case): only what
-    /// differs flickers.
+    /// The truth's two pixels brighten by 1 and 0, ours by 1 and 2 (in the second case -2): only
+    /// the difference flickers.
     #[test]
     fn flicker_counts_only_change_absent_from_the_reference() {
         let truth = [picture(&[1.0, 3.0]), picture(&[2.0, 3.0])];
@@ -323,7 +322,7 @@ mod tests {
         let flicker = flicker([&still, &still], known, false).unwrap();
         let expected = (2.0 / std::f64::consts::PI).sqrt() * f64::from(deviation) * 2_f64.sqrt();
         assert!((flicker.noise - expected).abs() < 1e-3 * expected, "{flicker:?}");
-        // The rest is the error of the estimated noise.
+        // The remainder is the error of the estimated noise.
         assert!(flicker.value < 0.2 * flicker.noise, "{flicker:?}");
         assert!((flicker.with_noise / flicker.noise - 1.0).abs() < 0.02, "{flicker:?}");
         let on_screen = flicker_on_screen([&still, &still], known, false, -2.0);
@@ -342,7 +341,7 @@ mod tests {
         assert!(flicker.value > 0.9, "{flicker:?}");
     }
 
-    /// Black instead of white in one of two pixels: the RMSE is the root of a half. Clipped values
+    /// One of two pixels is black instead of white: the RMSE is the root of a half. Clipped values
     /// have no noise.
     #[test]
     fn screen_errors_compare_clipped_display_values() {
@@ -353,7 +352,7 @@ mod tests {
         assert!((error.rmse - error.rmse_with_noise).abs() < 1e-6, "{error:?}");
         assert!((error.change_rmse - error.rmse).abs() < 1e-6, "{error:?}");
         close(error.bias_percent, -100.0);
-        // Noise as large as the difference explains it.
+        // Noise as large as the difference explains all of it.
         let (ours, truth) = (picture(&[0.4]), picture(&[0.3]));
         let error =
             error_on_screen([&ours, &ours], Known { picture: &truth, variance: &[0.02] }, 0.0);

@@ -24,17 +24,17 @@ use crate::block_noise::BlockNoise;
 
 /// Frames of a still picture.
 pub const STILL_FRAMES: u32 = 32;
-/// Frames after a change at which its latency is measured, and its trail.
+/// Frames after a change at which its latency and its trail are measured.
 const LATENCY_FRAMES: [u32; 5] = [1, 2, 4, 8, 16];
 const TRAIL_FRAMES: [u32; 3] = [1, 5, 20];
 /// Frames after a stop at which errors are measured.
 const STOP_FRAMES: [u32; 5] = [0, 1, 4, 16, 64];
 /// Frames after a change that count as motion in a sequence in which nothing moves.
 const SETTLING: u32 = 16;
-/// The least change of mean irradiance, as a share of the larger mean, with a latency.
+/// The least change of mean irradiance whose latency is measured, as a share of the larger mean.
 const LEAST_CHANGE: f64 = 0.1;
-/// Steps whose truth is darker than this share of the brightest one have no relative errors, which
-/// would mean nothing.
+/// Steps whose truth is darker than this share of the brightest truth have no relative errors: they
+/// would be meaningless.
 const DARKEST_SHARE: f64 = 0.01;
 /// The largest picture for which the truth is traced at every step, px.
 pub const SMALL_PIXELS: u32 = 128 * 72;
@@ -51,7 +51,7 @@ pub struct Task<'a> {
     pub settings: &'a RenderSettings,
     /// The settings of still pictures, for comparison.
     pub balanced: &'a RenderSettings,
-    /// The number of steps of each phase of motion; `None` for the sequence's own.
+    /// Number of steps of each phase of motion; `None`: as the sequence has them.
     pub moving_steps: Option<u32>,
 }
 
@@ -68,14 +68,14 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// The exposure of the brightest truth, in stops; `None` if none has light.
+    /// The exposure of the brightest truth, in stops; `None` if all are black.
     pub fn stops(&self) -> Option<f32> {
         stops(&self.truths)
     }
 }
 
-/// The exposure of the brightest truth, in stops: one for all steps, as in a camera that does not
-/// adapt. `None` if none has light.
+/// The exposure of the brightest truth, in stops; the same for all steps, like a camera without
+/// auto exposure. `None` if all truths are black.
 fn stops(truths: &[Option<Rc<Truth>>]) -> Option<f32> {
     let lit = truths.iter().flatten().filter(|truth| mean(truth.picture().picture) > 0.0);
     lit.map(|truth| truth.picture().picture.exposure_stops()).min_by(f32::total_cmp)
@@ -146,7 +146,7 @@ impl Task<'_> {
         Drive::new(self.gpu, self.sequence, (self.scene, self.camera), settings)
     }
 
-    /// The truth at every step of a small picture; else at the marked steps and those before them.
+    /// The truths: of small pictures at every step, else at the marked steps and those before them.
     fn truths(
         &self,
         poses: &[Pose],
@@ -170,8 +170,8 @@ impl Task<'_> {
         Ok(traced)
     }
 
-    /// For each step the pixels that were hidden or off screen in the step before; `None` if the
-    /// pose is the same, and for the first step.
+    /// For each step, the pixels that were hidden or off screen in the step before; `None` for the
+    /// first step, and if the pose is unchanged.
     fn masks(&self, poses: &[Pose]) -> anyhow::Result<Vec<Option<Vec<bool>>>> {
         let mut plan = self.drive(self.settings)?;
         let mut before: Option<(&Pose, Seen)> = None;
@@ -258,8 +258,8 @@ impl Task<'_> {
     }
 }
 
-/// Whether each step differs from the one before; in a sequence without phases of motion, whether
-/// it is one of the first 16 after a change.
+/// Whether each step differs from the previous one; in sequences without phases of motion, whether
+/// it is among the first [`SETTLING`] after a change.
 fn is_moving(sequence: &Sequence, phases: &[Phase], poses: &[Pose]) -> Vec<bool> {
     if phases.iter().any(|phase| phase.kind == Kind::Moves) {
         let moved = |step: usize| step > 0 && poses[step] != poses[step - 1];
@@ -362,7 +362,7 @@ impl Taken<'_> {
         Ok(figures)
     }
 
-    /// The error of a step's picture on a screen; `None` without a truth, or a step before.
+    /// The error of a step's picture on a screen; `None` without a truth or a previous step.
     fn error_on_screen(&self, step: usize) -> Option<DisplayError> {
         let truth = self.truths[step].as_ref()?;
         let ours = [&self.shown[step.checked_sub(1)?].picture, &self.shown[step].picture];

@@ -115,7 +115,7 @@ pub fn run(args: &MotionArgs, host: &Host) -> anyhow::Result<()> {
     }
 }
 
-/// Checks everything that needs no GPU.
+/// Checks all that needs no GPU.
 fn check(args: &MotionArgs) -> anyhow::Result<()> {
     if args.doc.is_some() && args.cones.preset.is_some() {
         let names = PRESETS.map(|preset| PresetChoice::Cones(preset).name()).join(" and ");
@@ -188,7 +188,7 @@ struct Work<'a> {
     args: &'a MotionArgs,
     gpu: &'a Gpu,
     progress: &'a ProgressDisplay,
-    /// The scenes so far, by their names on the command line.
+    /// Scenes loaded so far, by their names on the command line.
     staged: BTreeMap<String, (Scene, Camera)>,
 }
 
@@ -218,7 +218,7 @@ impl Work<'_> {
         Ok(all().filter(home).collect())
     }
 
-    /// Loads a scene and finds its camera, once.
+    /// Loads a scene and finds its camera; once for each name.
     fn stage(&mut self, source: &SceneSource) -> anyhow::Result<(Scene, Camera)> {
         let name = source.to_string();
         if let Some(staged) = self.staged.get(&name) {
@@ -246,8 +246,8 @@ impl Work<'_> {
         self.stage(&source)
     }
 
-    /// The settings of a preset with those of the command line, and the settings of still pictures:
-    /// the default preset without the options of cones.
+    /// The settings of a preset with the command line's changes; and those of still pictures: the
+    /// default preset without changes of the cones.
     fn settings(&self, preset: PresetChoice) -> anyhow::Result<[RenderSettings; 2]> {
         let MotionArgs { voxels, light, cones, size, .. } = self.args;
         let still = [voxels.given(), light.settings.given()].concat();
@@ -295,10 +295,10 @@ struct Report {
     size: [u32; 2],
     /// Samples of each pixel of the truth.
     samples: u32,
-    /// Frames of the still pictures that those in motion are compared with.
+    /// Frames of the still pictures that pictures in motion are compared with.
     still_frames: u32,
     sequences: Vec<SequenceReport>,
-    /// Wall-clock time of everything, s.
+    /// Total wall-clock time, s.
     seconds: f64,
     adapter: AdapterReport,
 }

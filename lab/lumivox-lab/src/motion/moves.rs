@@ -9,11 +9,11 @@ use lumivox_scene::{Camera, Instance, Light, Mesh, Scene};
 /// A moment of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// Its number, from 0.
+    /// The step's number, from 0.
     pub index: u32,
-    /// Its phase.
+    /// Index of the step's phase.
     pub phase: usize,
-    /// The share of the phase's motion that is done, above 0 to 1.
+    /// The finished share of the phase's motion, above 0 and up to 1.
     pub share: f32,
 }
 
@@ -49,7 +49,7 @@ impl Pose {
     }
 }
 
-/// 0 before the phase, its share within it, and 1 after it.
+/// The finished share of a phase: 0 before it and 1 after it.
 fn progress(step: &Step, phase: usize) -> f32 {
     match step.phase {
         now if now < phase => 0.0,
@@ -108,9 +108,9 @@ pub(super) fn block(start: &Start, step: &Step) -> Pose {
 
 /// The door that moves.
 pub(super) const DOOR: &str = "door";
-/// Half the thickness of the wall that it hangs on, as in the built-in scene.
+/// Half the thickness of the door's wall, as in the built-in scene.
 const WALL_HALF_M: f32 = 0.0025;
-/// The axis of its hinges, along y.
+/// A point on the axis of the hinges, which is parallel to y.
 const HINGE: Vec3 = Vec3::new(-WALL_HALF_M, 0.0, 0.13);
 
 /// Adds a 4 cm thick door before the doorway, on the lit side, 2 cm larger on each side.

@@ -13,11 +13,11 @@ use super::report::SequenceReport;
 use crate::charts::{Point, StepPanel, error_against_cost, error_by_step};
 use crate::film::film;
 
-/// The most frames of an animation; the last step may add one.
+/// The most frames of an animation, apart from one that the last step may add.
 const MOST_FRAMES: usize = 24;
 /// The time for which an animation shows a frame, ms.
 const DELAY_MS: u16 = 125;
-/// Pixels between two pictures of a frame, and their colour.
+/// Width of the gap between a frame's two pictures, px, and its colour.
 const GAP: u32 = 2;
 const GAP_COLOR: Rgb<u8> = Rgb([255; 3]);
 /// Names of the charts.
@@ -118,9 +118,9 @@ fn strip_of(measured: &Measured, most: usize) -> anyhow::Result<Option<RgbImage>
     Ok(Some(strip))
 }
 
-/// Frames with ours on the left and the truth on the right, spread over all steps, with the first
-/// and the last. All have the exposure of the brightest truth. A step without a truth shows the
-/// last truth before it.
+/// Frames with our picture on the left and the truth on the right, spread over all steps from the
+/// first to the last. All have the exposure of the brightest truth. A step without a truth shows
+/// the last truth before it.
 fn frames(measured: &Measured) -> Vec<RgbImage> {
     let Some(stops) = measured.stops() else { return Vec::new() };
     let count = measured.shown.len();

@@ -1,4 +1,4 @@
-//! Our figures beside published ones of other renderers, for global illumination in motion.
+//! Our figures beside published figures of other renderers, for global illumination in motion.
 
 use std::fmt::Write as _;
 

@@ -16,14 +16,14 @@ use crate::block_noise::BlockNoise;
 pub struct Case {
     pub preset: &'static str,
     pub report: SequenceReport,
-    /// Whether its strip and animation are on the page.
+    /// `true` if the page shows the strip and the animation.
     pub is_shown: bool,
 }
 
 /// One sequence with one set of settings.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SequenceReport {
-    /// Its name.
+    /// The sequence's name.
     pub sequence: String,
     pub scene: String,
     /// A sentence about what moves.
@@ -35,18 +35,19 @@ pub struct SequenceReport {
     pub in_motion: InMotion,
     /// Errors when the camera stops and some frames after; empty for sequences without a stop.
     pub at_stop: Vec<AtStop>,
-    /// `None` if no two consecutive steps have a truth.
+    /// Flicker; `None` if no two consecutive steps have a truth.
     pub flicker: Option<FlickerFigures>,
-    /// For each change of at least a tenth of the light, the share that has arrived.
+    /// For each change of at least a tenth of the light, the share that has arrived after some
+    /// frames.
     pub latency: Vec<Latency>,
-    /// For each change, the share of the former light that is left.
+    /// For each change, the share of the former light that is left after some frames.
     pub trail: Vec<Trail>,
-    /// `None` if nothing becomes visible.
+    /// Errors of newly visible pixels; `None` if there are none.
     pub disoccluded: Option<Disoccluded>,
-    /// Our mean irradiance minus the truth's, in percent of the brightest truth's, in steps whose
-    /// truth is nearly black: light that leaks or is left over. `None` without such steps.
+    /// Light that leaks or is left over: our mean irradiance minus the truth's, in percent of the
+    /// brightest truth's, in steps whose truth is nearly black. `None` without such steps.
     pub leak_percent: Option<Spread>,
-    /// `None` if nothing moves.
+    /// Cost of the steps of motion; `None` if nothing moves.
     pub cost: Option<CostFigures>,
     pub by_step: Vec<StepFigures>,
     #[serde(serialize_with = "settings::serialize", skip_deserializing)]
@@ -56,14 +57,14 @@ pub struct SequenceReport {
 /// The errors of one step.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct StepFigures {
-    /// Its number, from 0.
+    /// The step's number, from 0.
     pub step: u32,
-    /// The name of its phase.
+    /// The name of the step's phase.
     pub phase: String,
-    /// Whether it counts as motion.
+    /// `true` if the step counts as motion.
     pub is_moving: bool,
-    /// Errors of the irradiance by all light except direct light of lamps; `None` without a truth,
-    /// or if that is nearly black.
+    /// Errors of the irradiance by all light except direct light of lamps; `None` if the truth is
+    /// missing or nearly black.
     pub full: Option<ErrorFigures>,
     /// Errors of the picture.
     pub picture: Option<ErrorFigures>,
@@ -72,7 +73,7 @@ pub struct StepFigures {
     pub still_full: Option<ErrorFigures>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub still_picture: Option<ErrorFigures>,
-    /// The picture's difference from that still picture.
+    /// The picture's difference from the still picture of the same pose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub off_still: Option<BlockNoise>,
 }
@@ -82,12 +83,12 @@ pub struct StepFigures {
 pub struct InMotion {
     /// The number of steps with figures.
     pub steps: u32,
-    /// Irradiance by all light except direct light of lamps.
+    /// Errors of the irradiance by all light except direct light of lamps.
     pub full: Option<ErrorSpread>,
-    /// The picture.
+    /// Errors of the picture.
     pub picture: Option<ErrorSpread>,
-    /// The picture's difference from still pictures, for the median block and the one that 95 % of
-    /// the blocks stay below.
+    /// The picture's difference from still pictures: of the median block, and the 95th percentile
+    /// of the blocks.
     pub off_still: Option<[Spread; 2]>,
 }
 
@@ -99,9 +100,9 @@ pub struct ErrorSpread {
     pub p95_percent: Spread,
     pub flip: Option<Spread>,
     pub noise_percent: Option<Spread>,
-    /// The RMSE over that of the same pose after 32 still frames of `balanced`.
+    /// The RMSE divided by that of a still picture: the same pose after 32 frames of `balanced`.
     pub rmse_of_still: Option<Spread>,
-    /// The RMSE of these still pictures.
+    /// The RMSE of the still pictures.
     pub still_rmse_percent: Option<Spread>,
 }
 
@@ -127,7 +128,7 @@ pub struct FlickerFigures {
     pub picture_percent: Option<Spread>,
     /// Flicker of the picture on a screen, 0 to 1.
     pub display: Option<Spread>,
-    /// Medians with the truth's own noise included, and of only that noise.
+    /// Medians including the truth's noise, and of this noise only.
     pub with_noise: NoiseFigures,
     pub noise: NoiseFigures,
 }
@@ -144,7 +145,7 @@ pub struct NoiseFigures {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Change {
     pub name: String,
-    /// The first step after it.
+    /// The first step after the change.
     pub step: u32,
 }
 
@@ -154,7 +155,7 @@ pub struct Latency {
     #[serde(flatten)]
     pub change: Change,
     pub there: Vec<Share>,
-    /// Our whole change, between still pictures, in percent of the truth's.
+    /// The whole change, between our still pictures, in percent of the truth's change.
     pub whole_of_truth_percent: Option<f64>,
 }
 
@@ -162,7 +163,7 @@ pub struct Latency {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Share {
     pub frames: u32,
-    /// Percent of the change of mean irradiance, without direct light.
+    /// Percent of the change of mean irradiance that has arrived, without direct light.
     pub percent: f64,
 }
 
@@ -178,21 +179,21 @@ pub struct Trail {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Left {
     pub frames: u32,
-    /// Percent of the former irradiance, without direct light.
+    /// Percent of the former irradiance that is left, without direct light.
     pub percent: f64,
 }
 
 /// Errors of pixels in the first step in which their surface is visible.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Disoccluded {
-    /// Number of these pixels over all steps.
+    /// Number of newly visible pixels over all steps.
     pub pixels: u64,
-    /// Their share of all pixels of these steps.
+    /// Their share of the pixels of these steps.
     pub percent_of_pixels: f64,
     pub steps: u32,
     pub full: Option<ErrorFigures>,
     pub picture: Option<ErrorFigures>,
-    /// The RMSE over the median RMSE of whole still pictures.
+    /// The RMSE divided by the median RMSE of whole still pictures.
     pub full_of_still: Option<f64>,
     pub picture_of_still: Option<f64>,
 }
@@ -293,7 +294,7 @@ impl StepCost {
 }
 
 impl SequenceReport {
-    /// The report for people.
+    /// The report as text.
     pub fn text(&self) -> String {
         let mut text = format!(
             "{}, {}: {}\n  {} steps, {} of them with a truth\n\n",

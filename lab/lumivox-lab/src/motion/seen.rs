@@ -4,8 +4,8 @@
 use glam::{UVec2, Vec2, Vec3};
 use lumivox_scene::{Camera, Pick, Picker, Scene};
 
-/// A point counts as hidden if the first surface along its ray is nearer by more than this share:
-/// rays end on the plane of the very same triangle, so only rounding separates the two.
+/// A point counts as hidden if the first surface along its ray is nearer by more than this share. A
+/// visible point lies on that surface, up to rounding.
 const SAME_DISTANCE: f32 = 1e-3;
 
 /// The view of one step.
@@ -42,7 +42,8 @@ impl Seen {
             let Some(position) = self.position_in(&before.scene, pick) else { return true };
             let stays = position.distance(pick.position) <= SAME_DISTANCE * pick.distance_m;
             if is_same_camera && stays {
-                // Same ray in both steps: compare its surfaces, also along edges.
+                // The ray is the same in both steps: compare its surfaces, which also works along
+                // edges.
                 let was = before.picks[pixel];
                 return was.is_none_or(|was| was.instance != pick.instance);
             }
@@ -149,8 +150,8 @@ mod tests {
     }
 
     /// The square, at half the distance, covers columns 4 to 11. Moved by a quarter of the view's
-    /// width there, it covers four more columns, and uncovers four of the wall. On the square
-    /// itself nothing is new: its points have moved with it.
+    /// width there, it covers four other columns, and uncovers four of the wall. No point of the
+    /// square itself is new: its points have moved with it.
     #[test]
     fn surface_uncovered_by_a_moving_object_is_disoccluded() {
         let camera = camera(0.0);
@@ -162,9 +163,9 @@ mod tests {
         assert!(before.disoccluded_since(&before).iter().all(|is_new| !is_new));
     }
 
-    /// A camera that moves by a quarter of a metre to the right sees two new columns at the right
-    /// edge. The square moves by twice as much in the picture as the wall behind it, so it uncovers
-    /// two columns on its right.
+    /// A camera that moves a quarter of a metre to the right sees two new columns at the right
+    /// edge. The square moves twice as far in the picture as the wall behind it, so it uncovers two
+    /// columns on its right.
     #[test]
     fn a_moving_camera_disoccludes_picture_edges_and_hidden_surface() {
         let now = Seen::new(&scene(0.0), &camera(0.25), SIZE);

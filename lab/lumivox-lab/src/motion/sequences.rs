@@ -1,7 +1,7 @@
 //! The sequences: what moves, in which scene, at which step.
 //!
-//! A sequence is data: phases in which something moves or nothing does, and the pose at any moment
-//! of a phase. A pose depends only on the scene at the start and the step.
+//! A sequence has phases, in which something or nothing moves, and a pose for each step. A pose
+//! depends only on the scene at the start and the step.
 
 use lumivox_console::Failure;
 use lumivox_scene::Scene;
@@ -15,7 +15,7 @@ use super::moves::{
 pub enum Home {
     /// The built-in scene of this name; the sequence moves things that only it has.
     Only(&'static str),
-    /// Any scene; this built-in one if no other is asked for.
+    /// Any scene; by default this built-in scene.
     Any(&'static str),
     /// Files with animations.
     Animated,
@@ -26,7 +26,7 @@ pub enum Home {
 pub enum Kind {
     /// Something moves in every step; the last step shows the end of the motion.
     Moves,
-    /// Nothing moves; the first step may jump from the end of the phase before.
+    /// Nothing moves, but the first step may differ from the end of the previous phase.
     Holds,
 }
 
@@ -38,18 +38,18 @@ pub struct Phase {
     pub steps: u32,
 }
 
-/// A change whose delay is measured: from the last step of one phase to the still picture of the
+/// A change whose latency is measured: from the last step of one phase to the still picture of the
 /// first step of another.
 #[derive(Clone, Copy, Debug)]
 pub struct Change {
     pub name: &'static str,
-    /// The phase whose last step is the picture before.
+    /// The phase whose last step is the picture before the change.
     pub before: usize,
-    /// The phase, a hold, whose first step is the first frame after.
+    /// The hold whose first step is the first frame after the change.
     pub after: usize,
 }
 
-/// A sequence of steps, of which each is one frame.
+/// A sequence of steps; each is one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Sequence {
     pub name: &'static str,
@@ -74,7 +74,7 @@ const fn holds(name: &'static str, steps: u32) -> Phase {
     Phase { name, kind: Kind::Holds, steps }
 }
 
-/// The steps of a hold after a change: enough for all numbers of frames of latency and trails.
+/// Steps of a hold after a change: enough to measure latencies and trails.
 const AFTER: u32 = 24;
 
 const ORBIT: Sequence = Sequence {
@@ -192,7 +192,7 @@ impl Sequence {
         SEQUENCES.iter().find(|sequence| sequence.name == name)
     }
 
-    /// The name of the built-in scene that is used if no other is asked for.
+    /// The name of the default built-in scene.
     pub fn builtin(&self) -> Option<&'static str> {
         match self.home {
             Home::Only(name) | Home::Any(name) => Some(name),
@@ -200,7 +200,7 @@ impl Sequence {
         }
     }
 
-    /// The phases, those of motion with another number of steps if one is given.
+    /// The phases; `moving_steps`, if given, replaces the number of steps of phases of motion.
     pub fn phases(&self, moving_steps: Option<u32>) -> Vec<Phase> {
         let phase = |phase: &Phase| match (phase.kind, moving_steps) {
             (Kind::Moves, Some(steps)) => Phase { steps, ..*phase },
@@ -212,7 +212,7 @@ impl Sequence {
     /// Makes a scene ready for the sequence.
     ///
     /// # Errors
-    /// A [`Failure`] of input when the scene has nothing that it moves.
+    /// A [`Failure`] of input when the scene has nothing to move.
     pub fn prepare(&self, scene: &mut Scene) -> Result<(), Failure> {
         if let Home::Only(name) = self.home
             && scene.name != name
@@ -285,7 +285,7 @@ pub fn last_of(phases: &[Phase], phase: usize) -> u32 {
     first_of(phases, phase) + phases[phase].steps - 1
 }
 
-/// The steps that are shown, and that are measured if not all are: the middle and the end of a
+/// The steps that are shown, and measured even in large pictures: the middle and the end of a
 /// motion, the first and the last step of a hold.
 pub fn marked(phases: &[Phase]) -> Vec<u32> {
     let mut marked = Vec::new();

@@ -56,15 +56,15 @@ pub struct Truths<'a> {
 }
 
 impl<'a> Truths<'a> {
-    /// Traces pictures of a size with a number of samples a pixel, at least 17, so that their noise
-    /// is known. With a folder, existing files are read, and missing ones traced and written.
+    /// Traces pictures with at least 17 samples a pixel, which their noise estimate needs. With a
+    /// folder, existing files are read, and missing ones traced and written.
     pub fn new(gpu: &'a Gpu, size: UVec2, samples: u32, folder: Option<&'a Path>) -> Self {
         Self { gpu, size, samples, folder, known: Vec::new() }
     }
 
     /// The truth of a pose; scene and camera must be in this pose.
     ///
-    /// Each pose has a seed of its own, so that the noises of two steps are independent.
+    /// Each pose has its own seed, so that the noise of two steps is independent.
     ///
     /// # Errors
     /// When a file cannot be read or written, the device fails, or the user stops the work.
