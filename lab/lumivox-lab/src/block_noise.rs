@@ -5,19 +5,19 @@ use serde::{Deserialize, Serialize};
 
 /// The edge of a block, in pixels.
 pub const BLOCK: usize = 8;
-/// Pixels darker than this share of the median luminance count as that bright.
+/// Least luminance that errors are relative to, as a share of the median luminance.
 const DARK: f32 = 0.02;
-/// A pixel that is off by this share is a dot.
+/// Relative error from which a pixel is a dot.
 const DOT: f32 = 0.5;
 
 /// The noise of a mean of frames, in percent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BlockNoise {
-    /// The root mean square of the relative difference in blocks of 8 x 8 pixels: the median block,
-    /// and the one that 95 % of the blocks stay below.
+    /// The root mean square of the relative difference in blocks of 8 x 8 pixels: median and 95th
+    /// percentile.
     pub median: f64,
     pub p95: f64,
-    /// The share of the pixels that are half as bright again, or half as dark.
+    /// The share of the pixels that are too bright or too dark by half.
     pub dots: f64,
 }
 

@@ -1,7 +1,7 @@
 //! `lumivox-lab dynamic`: the gain of keeping the static surface while other things move.
 //!
-//! In a copy of the scene a share of the triangles moves. Each move is voxelized and lit as a
-//! whole, and with the static surface kept.
+//! A share of the triangles moves in a copy of the scene. Each move is voxelized and lit twice: as
+//! a whole, and with the static surface kept.
 
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::time::Instant;
@@ -46,7 +46,7 @@ pub fn run(args: &DynamicArgs, host: &Host) -> anyhow::Result<()> {
 }
 
 /// Marks a share of the triangles as dynamic, and all others as static: small instances first,
-/// those of equal size in an arbitrary order. The last one is cut in two, so that the share is met.
+/// those of equal size in an arbitrary order. The last instance is cut in two to meet the share.
 fn mark(scene: &mut Scene, share: f32) {
     let total = scene.triangle_count();
     let mut left = ((total as f64 * f64::from(share)).round() as usize).clamp(1, total);
@@ -60,7 +60,7 @@ fn mark(scene: &mut Scene, share: f32) {
             (Bounds::from_points(points).size().length(), hasher.finish(), index)
         })
         .collect();
-    // Sizes of equal instances differ by rounding.
+    // Truncate: the sizes of equal instances differ by rounding.
     order.sort_by_key(|&(size, mix, _)| ((size * 1e3) as u64, mix));
     for (_, _, index) in order {
         let triangles = scene.meshes[scene.instances[index].mesh].triangle_count();
@@ -72,7 +72,7 @@ fn mark(scene: &mut Scene, share: f32) {
     }
 }
 
-/// Leaves the first triangles to an instance, and moves the others to a new, static one.
+/// Leaves an instance its first triangles, and moves the others to a new, static instance.
 fn cut(scene: &mut Scene, index: usize, triangles: usize) {
     let mut rest = scene.instances[index].clone();
     let whole = &scene.meshes[rest.mesh];
@@ -192,8 +192,8 @@ fn measure(
     let timing = Timing::for_device(&gpu.device);
     let mut has_same_bits = true;
     let mut changed = 0.0;
-    // One untimed move first, since it allocates buffers and compiles kernels; then by the wall
-    // clock; then pass by pass, which slows everything down.
+    // The first move is untimed: it allocates buffers and compiles kernels. Then moves are timed by
+    // the wall clock, and at last pass by pass, which slows everything down.
     let steps = 1 + 2 * moves;
     for step in 0..steps {
         progress.set("moving", step, steps);
@@ -238,14 +238,14 @@ struct Report {
     voxels: u32,
     faces: u32,
     moves: u32,
-    /// Wall-clock time of a move for the voxelization and the volume's update to its list, ms: as a
-    /// whole, and with the static surface kept.
+    /// Wall-clock time of a move for the voxelization and the volume's update to the new list, ms:
+    /// as a whole, and with the static surface kept.
     whole_voxelize_ms: f64,
     kept_voxelize_ms: f64,
-    /// Time of direct light, stored and filtered, ms.
+    /// Time to compute, store and filter direct light, ms.
     whole_light_ms: f64,
     kept_light_ms: f64,
-    /// Times of a move with each pass waited for.
+    /// Times of a move, waiting for each pass.
     stages: Vec<StageReport>,
     passes: Vec<StageReport>,
     /// Share of the occupied cells of all levels that a move writes.

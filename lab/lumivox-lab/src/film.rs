@@ -1,5 +1,5 @@
-//! Animated pictures: PNG with frames (W3C 2025, "Portable Network Graphics, third edition",
-//! section 11.3.4), of at most 256 colours.
+//! Animated PNG files (W3C 2025, "Portable Network Graphics, third edition", section 11.3.4) of at
+//! most 256 colours.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ const MOST_COLORS: usize = 256;
 /// Bits per channel for counting colours: few enough that noise does not split a colour.
 const COUNTED_BITS: u32 = 5;
 
-/// Encodes frames of one size as an animation that repeats for ever; each is shown for `delay_ms`.
+/// Encodes frames of one size as an animation that repeats forever; each is shown for `delay_ms`.
 ///
 /// All share one palette: the most frequent colours of all frames, by 5 bits a channel. Other
 /// colours become the nearest of these.
@@ -53,7 +53,7 @@ fn key(color: [u8; 3]) -> [u8; 3] {
     color.map(|channel| channel >> (8 - COUNTED_BITS))
 }
 
-/// The middle of the colours with these leading bits; black and white are exact.
+/// The middle of the colours with these leading bits; exact for black and white.
 fn middle(key: [u8; 3]) -> [u8; 3] {
     let most = (1_u32 << COUNTED_BITS) - 1;
     key.map(|bits| ((u32::from(bits) * 255 + most / 2) / most) as u8)

@@ -10,7 +10,7 @@
 //! | `dynamic` | the gain of keeping the static surface while other things move |
 //! | `charts`, `film`, `block_noise` | charts as SVG, animated pictures, the noise of a picture |
 //!
-//! Pictures are measured as `lumivox compare` does it ([`lumivox_app::parts`]).
+//! Pictures are measured as by `lumivox compare` ([`lumivox_app::parts`]).
 
 #![allow(
     clippy::format_push_string,

@@ -15,7 +15,7 @@ use serde::Serialize;
 use crate::charts::{MemoryPoint, memory_against_resolution};
 use crate::cli::VolumesArgs;
 
-/// Frames that are timed, after one untimed frame.
+/// Number of timed frames, after one untimed frame.
 const FRAMES: u32 = 2;
 
 /// Measures and reports.
@@ -83,11 +83,11 @@ struct Row {
     name: &'static str,
     volume: &'static str,
     voxels: Option<u32>,
-    /// Bytes of the volume itself; known for a dense one even if it does not fit.
+    /// Bytes of the volume itself; known for a dense volume even if it does not fit.
     bytes: Option<u64>,
-    /// Time to build nodes from the voxel list, or masks.
+    /// Time to build an octree's nodes from the voxel list, or a dense volume's masks.
     build_ms: Option<f64>,
-    /// Time to store the faces' radiance, filter, and fill bricks: needed at each change of light.
+    /// Time of each change of light: to store the faces' radiance, filter, and fill bricks.
     update_ms: Option<f64>,
     /// The part of `update_ms` for filtering.
     filter_ms: Option<f64>,
@@ -98,10 +98,10 @@ struct Row {
     /// Groups of eight slots for nodes.
     groups: Option<u32>,
     bricks: Option<u32>,
-    /// Passes of the builder with locks, and the threads deferred in all of them.
+    /// Passes of the builder with locks, and the threads that they deferred.
     lock_passes: Option<u64>,
     deferred: Option<u64>,
-    /// Why it was not measured; `None` if it was.
+    /// Why the volume was not measured; `None` if it was.
     problem: Option<String>,
 }
 
@@ -141,7 +141,7 @@ impl Row {
             directionality,
             volume: variant.volume,
             bounces: 1,
-            // An overlay that shows cells; without one, none are kept.
+            // Show an overlay of cells, or they are not kept.
             overlay: Overlay { wire_voxels: Wires::Over, ..Overlay::default() },
             frames: FRAMES,
             timing: Timing::for_device(&gpu.device),
@@ -195,7 +195,7 @@ impl Row {
 }
 
 /// A renderer that has voxelized, lit and traced (if `with_trace`), with the times of a second run:
-/// drivers compile shaders in the first.
+/// in the first, drivers compile shaders.
 async fn timed(
     gpu: &Gpu,
     scene: &Scene,
@@ -216,7 +216,7 @@ async fn timed(
     Ok(renderer)
 }
 
-/// Whether the error means that something does not fit.
+/// Whether the error means that something does not fit the GPU.
 fn is_limit(error: &lumivox_render::RenderError) -> bool {
     use lumivox::GiError;
     use lumivox_render::RenderError;

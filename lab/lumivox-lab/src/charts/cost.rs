@@ -1,7 +1,7 @@
 //! Charts of error against cost: which presets and resolutions are worth their cost.
 //!
-//! A row for each scene, a column for each cost. Settings that no other beats (the Pareto front)
-//! have filled marks, joined by steps. Beaten settings have hollow marks above the steps.
+//! Each scene has a row, each cost a column. Settings that no other beats (the Pareto front) have
+//! filled marks, joined by steps. Beaten settings have hollow marks above the steps.
 
 use anyhow::ensure;
 use plotters::coord::Shift;
@@ -162,7 +162,7 @@ fn draw_panel(
 ) -> anyhow::Result<()> {
     let costs = || points.iter().map(|point| (cost.of)(point));
     let (least, most) = (costs().fold(f64::MAX, f64::min), costs().fold(0.0, f64::max));
-    // A margin for marks and labels, and for a tick or two if all costs are equal.
+    // The margin has room for marks and labels, and for a tick or two if all costs are equal.
     let (left, right) = (least / 1.5, most * 1.9);
     let top = points.iter().map(|point| point.error_percent).fold(0.0, f64::max);
     let top = if top > 0.0 { 1.15 * top } else { 1.0 };
@@ -226,7 +226,8 @@ fn short(value: f64) -> String {
     format!("{}", (value * 1e3).round() / 1e3)
 }
 
-/// The lower left edge of the area that the front beats, from the top of the panel to its right.
+/// The lower left edge of the area that the front beats, from the panel's top edge to its right
+/// edge.
 fn steps(front: &[(f64, f64)], top: f64, right: f64) -> Vec<(f64, f64)> {
     let mut steps = Vec::new();
     let mut height = top;
@@ -328,7 +329,7 @@ mod tests {
             let error = error_against_cost(&[bad]).unwrap_err().to_string();
             assert!(error.contains("cornell, fast at 64 voxels"), "{error}");
         }
-        // A single point without error is valid.
+        // A single point with an error of 0 is valid.
         error_against_cost(&[point("fast", 64, 1.0, 0.0)]).unwrap();
     }
 }

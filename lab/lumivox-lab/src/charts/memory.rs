@@ -12,9 +12,9 @@ pub struct MemoryPoint {
     pub volume: &'static str,
     /// Voxels along the longest axis.
     pub resolution: u32,
-    /// Its size in bytes.
+    /// The volume's size in bytes.
     pub bytes: u64,
-    /// `true` if it was measured; otherwise it did not fit, and was computed.
+    /// `true` if `bytes` was measured; `false` if the volume did not fit, and `bytes` was computed.
     pub is_measured: bool,
 }
 

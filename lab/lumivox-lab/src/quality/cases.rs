@@ -34,7 +34,7 @@ pub struct Rotation {
 
 impl Rotation {
     pub const NONE: Self = Self { degrees: [0; 3] };
-    /// Odd angles: no wall is parallel to an axis, none lies at 45 degrees.
+    /// Odd angles: no wall is parallel to an axis or at 45 degrees to one.
     pub const ODD: Self = Self { degrees: [29, 20, 23] };
 
     pub fn angles_rad(self) -> Vec3 {
@@ -59,15 +59,15 @@ impl Case {
         format!("{} {x},{y},{z} {} {}", self.scene, self.preset.name(), self.resolution)
     }
 
-    /// The number of grid positions that its figures are averaged over: several for unrotated
-    /// scenes at the middle resolution, else one.
+    /// The number of grid positions over which figures are averaged: several for unrotated scenes
+    /// at the middle resolution, else one.
     pub fn offsets(&self, args: &QualityArgs) -> u32 {
         let is_middle =
             self.rotation == Rotation::NONE && self.resolution == middle(&args.resolutions);
         if is_middle { args.offsets } else { 1 }
     }
 
-    /// The file of its strip: only for unrotated scenes with preset high at the middle resolution.
+    /// The file of the strip; only for unrotated scenes with preset high at the middle resolution.
     pub fn picture(&self, resolutions: &[u32]) -> Option<String> {
         let is_shown = self.rotation == Rotation::NONE
             && self.preset == PresetChoice::Cones(Preset::High)
@@ -99,9 +99,9 @@ pub fn middle(resolutions: &[u32]) -> u32 {
 /// a hall under sun and sky.
 const SWEPT: [&str; 2] = ["cornell", "atrium"];
 
-/// All measurements, scene by scene. Scenes that were `asked` for by name are measured with all
-/// presets at all resolutions. Without names the scenes in [`SWEPT`] are, and the others only at
-/// the middle resolution with the presets that have goals.
+/// All measurements, scene by scene. Scenes named in `asked` are measured with all presets at all
+/// resolutions. Without names, so are those in [`SWEPT`]; others only at the middle resolution,
+/// with the presets that have goals.
 pub fn cases(
     scenes: &[String],
     asked: bool,
@@ -143,7 +143,7 @@ mod tests {
         let presets = [Preset::Fast, Preset::High].map(PresetChoice::Cones);
         let resolutions = [64, 128, 256];
         let asked = cases(&scenes, true, &presets, &resolutions);
-        // Three resolutions of two presets, and one preset turned.
+        // Three resolutions of two presets, and one preset of the rotated scene.
         assert_eq!(asked.len(), 2 * (3 * 2 + 1));
         let cases = cases(&scenes, false, &presets, &resolutions);
         assert_eq!(cases.len(), (3 * 2 + 1) + (1 + 1));

@@ -1,4 +1,5 @@
-//! Materials by light and angle: a ball of each material in each light, ours against paths.
+//! Errors of materials by light and angle: a ball of each material in each light, against the path
+//! tracer.
 
 use std::f32::consts::{PI, TAU};
 use std::fmt::Write as _;
@@ -24,30 +25,30 @@ const VOXELS: u32 = 64;
 const FRAMES: u32 = 16;
 /// The path tracer's samples of a pixel.
 const SAMPLES: u32 = 256;
-/// The camera's distance from the middle of the ball, whose radius is 1, and its field of view.
+/// The camera's distance from the centre of the ball, whose radius is 1; and its field of view.
 const DISTANCE_M: f32 = 7.2;
 const FOV_RAD: f32 = 0.3;
-/// Ranges of the angle between the direction to the eye and the normal, in degrees. Farther out a
-/// pixel is partly beside the ball.
+/// Ranges of the angle between the direction to the eye and the normal, in degrees. At larger
+/// angles, pixels are partly beside the ball.
 const ANGLES: [[f32; 2]; 3] = [[0.0, 60.0], [60.0, 75.0], [75.0, 83.0]];
 
-/// Errors are relative to the light of their range, or to this share of the ball's mean if that is
-/// more.
+/// Errors are relative to the mean of their range of angles, but at least to this share of the
+/// ball's mean.
 const DARK: f64 = 0.1;
 
-/// The errors of a material in a light, in percent of paths.
+/// The errors of a material in a light, in percent of the path tracer's picture.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Cell {
-    /// The error of the mean in each of [`ANGLES`].
+    /// The error of the mean over frames in each of [`ANGLES`].
     bias: [f64; 3],
-    /// The error of the first frame's mean over all angles.
+    /// The error of the first frame, mean over all angles.
     first_bias: f64,
-    /// The root mean square of the first frame's difference from the mean of all, relative to that
-    /// mean.
+    /// The root mean square of the first frame's difference from the mean over frames, relative to
+    /// it.
     noise: f64,
 }
 
-/// The cells of all materials, each a row, with all lights.
+/// A row for each material, with a cell for each light.
 pub type Rows = Vec<(&'static str, Vec<Option<Cell>>)>;
 
 fn dielectric(roughness: f32) -> MetallicRoughness {
@@ -73,7 +74,7 @@ type Made = (Material, Option<Texture>);
 type Make = fn() -> Made;
 type Shine = fn(&mut Scene);
 
-// No smoother than 0.2: below, the noise of the paths hides errors.
+// No roughness below 0.2: the path tracer's noise would hide errors.
 const MATERIALS: [(&str, Make); 16] = [
     ("matt", || (Material::diffuse("matt", Vec3::splat(0.5)), None)),
     ("dielectric, roughness 0.2", || (plain(dielectric(0.2)), None)),
@@ -102,7 +103,7 @@ const MATERIALS: [(&str, Make); 16] = [
     ("textured roughness and metal", || {
         let metallic_roughness_texture = Some(TextureRef::new(0));
         let shading = MetallicRoughness { metallic_roughness_texture, ..metal(1.0) };
-        // Green: roughness; blue: metal.
+        // Green is roughness, blue is metal.
         let texels = [[0, 64, 0, 255], [0, 160, 255, 255], [0, 160, 255, 255], [0, 255, 0, 255]];
         let (name, rgba8) = ("checkers".to_owned(), texels.concat());
         let sampler = Sampler { magnify: Filter::Nearest, ..Sampler::default() };
@@ -177,7 +178,7 @@ fn place(scene: &mut Scene, mesh: Mesh, material: usize) {
     scene.instances.push(Instance { mesh, material, ..Instance::default() });
 }
 
-/// A rectangle that shines to the side of `v` cross `u`, downwards for x and -z.
+/// A rectangle that emits light towards `v` cross `u`: downwards for x and -z.
 fn glow(scene: &mut Scene, center: Vec3, [u, v]: [Vec3; 2], radiance: f32) {
     let mut black = Material::diffuse("lamp", Vec3::ZERO);
     black.emissive = Vec3::splat(radiance);
@@ -340,7 +341,7 @@ mod tests {
         }
     }
 
-    /// A sphere seen from afar shows its normals' sines as distances from the middle.
+    /// In a distant view of a sphere, the sine of a normal's angle is the distance from the centre.
     #[test]
     fn sines_match_the_outline_of_the_sphere() {
         let sines = sines();

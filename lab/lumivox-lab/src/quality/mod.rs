@@ -1,4 +1,4 @@
-//! `lumivox-lab quality`: the page on errors, made from the program's own measurements.
+//! `lumivox-lab quality`: the page on errors, from our own measurements.
 
 mod cases;
 mod materials;
@@ -27,10 +27,10 @@ use cases::{Case, Entry, PICTURES, Rotation, cases};
 const GLOSSY: [&str; 5] =
     ["cornell-glossy", "two-rooms-glossy", "atrium-glossy", "arcade-glossy", "panel-glossy"];
 
-/// A name beside the scenes' names: balls of all materials.
+/// The name in `--scenes` for balls of all materials.
 const MATERIALS: &str = "materials";
 
-/// Makes the missing measurements, and writes the page.
+/// Makes missing measurements, and writes the page.
 ///
 /// # Errors
 /// When there is no such scene, something cannot be rendered, or a file cannot be written.
@@ -81,7 +81,7 @@ pub fn run(args: &QualityArgs, host: &Host) -> anyhow::Result<()> {
     host.print(&format!("{}\n", args.folder.join("quality.md").display()))
 }
 
-/// Measures first frames of all scenes and, beside other rooms, of rooms with daylight.
+/// Measures first frames of all scenes and, if `rooms` are measured, of rooms with daylight.
 fn first_frames(
     args: &QualityArgs,
     gpu: &Gpu,
@@ -103,7 +103,7 @@ fn first_frames(
     Ok(meter.into_rows())
 }
 
-/// The reference of a built-in scene: of an earlier call, from the cache, or traced.
+/// The reference of a built-in scene: from an earlier call, from the cache, or traced.
 fn truth_of<'t>(
     args: &QualityArgs,
     gpu: &Gpu,

@@ -1,4 +1,4 @@
-//! Noise of first frames: the difference between a picture of few frames and the mean of many.
+//! Noise of first frames: the difference between the means of few frames and of many.
 
 use std::fmt::Write as _;
 
@@ -17,17 +17,17 @@ use crate::rooms::room_of;
 const PRESETS: [Preset; 2] = [Preset::Balanced, Preset::Realtime];
 /// Numbers of frames whose noise is measured.
 const FRAMES: [u32; 3] = [1, 4, 16];
-/// Frames of the mean that they are compared with.
+/// Frames of the mean with which they are compared.
 const MANY: u32 = 192;
-/// Rooms with daylight.
+/// Number of rooms with daylight.
 const ROOMS: usize = 8;
 
-/// A scene with a preset.
+/// The noise and errors of a scene with a preset.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FirstFrames {
-    /// After each of [`FRAMES`].
+    /// The noise after each of [`FRAMES`].
     noise: [BlockNoise; 3],
-    /// The errors of the first frame and of the mean against paths; `None` without a reference.
+    /// The errors of the first frame and of the mean; `None` without a reference.
     errors: Option<[ErrorFigures; 2]>,
 }
 
@@ -87,7 +87,7 @@ impl<'a> Meter<'a> {
         Ok(())
     }
 
-    /// Measures rooms at random with daylight, from this seed on.
+    /// Measures random rooms with daylight; `seed` is the first seed.
     ///
     /// # Errors
     /// As [`Self::measure`].

@@ -13,8 +13,8 @@ use super::rooms::Rooms;
 use crate::charts::{Point, error_against_cost};
 use crate::cli::QualityArgs;
 
-/// The goals: irradiance after one gather, preset `high`, 128 voxels, without settings for a single
-/// scene. `balanced` may have twice the error; rotated scenes 5 % of bias and 1.3 times the RMSE.
+/// The goals for irradiance after one gather: preset `high`, 128 voxels, no settings for single
+/// scenes. `balanced` may have twice the error; rotated scenes 5 % of bias and 1.3 times the RMSE.
 const GOALS: [Goal; 10] = [
     Goal { scene: "cornell", bias: 3.0, rmse: Some(8.0) },
     Goal { scene: "furnace", bias: 3.0, rmse: Some(4.0) },
@@ -29,13 +29,13 @@ const GOALS: [Goal; 10] = [
 ];
 /// The goal for the bias of rotated scenes, in per cent.
 const TURNED_BIAS: f64 = 5.0;
-/// The goal for the RMSE of rotated scenes, over that of straight ones.
+/// The goal for the RMSE of rotated scenes, divided by that of unrotated scenes.
 const TURNED_RMSE: f64 = 1.3;
 /// The goal for the bias after all bounces, in per cent.
 const FULL_BIAS: f64 = 5.0;
 /// The goal for light through walls, in per cent.
 const LEAK: f64 = 1.0;
-/// The goal for the change of the mean from one resolution to another, in per cent.
+/// The goal for the change of the mean between resolutions, in per cent.
 const CHANGE: f64 = 3.0;
 
 struct Goal {
@@ -333,7 +333,7 @@ fn change(means: &[f64]) -> f64 {
     most - means.iter().copied().fold(f64::MAX, f64::min)
 }
 
-/// The RMSE, or a note if the reference's noise explains all of the difference.
+/// The RMSE, or a note if the reference's noise explains the whole difference.
 fn rmse(figures: &ErrorFigures) -> String {
     if figures.rmse_percent > 0.0 {
         format!("{:.1}", figures.rmse_percent)

@@ -1,4 +1,4 @@
-//! Rooms at random: the page begins with the distribution of their errors.
+//! Random rooms: the page begins with the distribution of their errors.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use crate::cli::QualityArgs;
 use crate::rooms::random::Kind;
 use crate::rooms::{Meter, RoomFigures, at, by_group, faults, fresh_seed, heading, room_of, row};
 
-/// The sets of rooms: a value of `lumivox-lab rooms --kinds`, and the kinds.
+/// The sets of rooms: the value of `lumivox-lab rooms --kinds`, and its kinds.
 const SETS: [(&str, &[Kind]); 2] = [("plain", &[Kind::Plain]), ("all", &Kind::ALL)];
 /// Default number of rooms in each set. A room takes about 20 s of CPU time without a GPU, most of
 /// it at 128 voxels, so both sets take 7 minutes on two cores.
@@ -30,8 +30,8 @@ pub struct Rooms {
     sets: [Vec<RoomFigures>; 2],
 }
 
-/// Measures the rooms of both sets, or reads them from the cache, whose seed then replaces a fresh
-/// one. `None` if there are no rooms.
+/// Measures the rooms of both sets with a fresh seed, or reads them from the cache, with its seed.
+/// `None` if there are no rooms.
 ///
 /// # Errors
 /// When rendering fails, the cache cannot be used, or the user stops it.

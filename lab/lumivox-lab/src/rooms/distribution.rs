@@ -1,11 +1,11 @@
-//! Median, 90 % and worst of many rooms, as tables in Markdown.
+//! Median, 90th percentile and worst of many rooms, as tables in Markdown.
 
 use lumivox_console::report::counted;
 
 use super::RoomFigures;
 use super::random::{Kind, RoomLight};
 
-/// The groups of walls by thickness: a name, the least thickness, and the one it is below, m.
+/// The groups of walls by thickness: name, least thickness, and upper bound, m.
 const WALLS: [(&str, f32, f32); 4] = [
     ("sheets", 0.0, 0.005),
     ("walls of 1 to 5 cm", 0.005, 0.07),
@@ -13,8 +13,8 @@ const WALLS: [(&str, f32, f32); 4] = [
     ("walls of 30 to 60 cm", 0.25, 1.0),
 ];
 
-/// The least absolute value that a share of the values does not exceed (the nearest rank); `None`
-/// without values.
+/// A percentile of the absolute values (nearest rank); `share` is from 0 to 1. `None` without
+/// values.
 fn percentile(values: &[f64], share: f64) -> Option<f64> {
     let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
@@ -39,8 +39,8 @@ pub fn heading(of: &str) -> String {
     )
 }
 
-/// The row of some rooms: errors of lit rooms and the standard error of their truth, the median
-/// bias and RMSE of pictures, leaks of dark ones.
+/// The row of some rooms: errors of lit rooms and the standard error of their truth, bias and RMSE
+/// of pictures, leaks of dark rooms.
 pub fn row(name: &str, rooms: &[&RoomFigures]) -> String {
     let values = |of: fn(&RoomFigures) -> Option<f64>| -> Vec<f64> {
         rooms.iter().filter_map(|room| of(room)).collect()

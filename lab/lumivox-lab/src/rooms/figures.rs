@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::random::{Room, SKY_RADIANCE};
 
-/// A room is dark if the mean of its truth is below this share of the illuminance outside.
+/// A room is dark if its truth's mean is below this share of the illuminance outside.
 const DARK_SHARE: f64 = 1e-3;
-/// A room is always dark if the mean of its truth is below this, in lux.
+/// A room is always dark if its truth's mean is below this, in lux.
 const DARK_LUX: f64 = 1e-6;
 
 /// The errors of one room at one resolution.
@@ -25,7 +25,7 @@ pub struct RoomFigures {
     /// Whether the room is turned against the grid.
     pub is_turned: bool,
     pub light: String,
-    /// Whether there is a window or another opening.
+    /// `true` if there is a window or another opening.
     pub is_open: bool,
     /// Voxels along the longest axis.
     pub resolution: u32,
@@ -33,7 +33,7 @@ pub struct RoomFigures {
     pub cones: Vec<Option<f32>>,
     /// Readings of the sensors by paths, lux.
     pub paths: Vec<f32>,
-    /// The mean of the sensors by cones over that by paths, less 1, in per cent; `None` in
+    /// The sensors' mean by cones divided by that by paths, minus 1, in per cent; `None` in
     /// darkness, or if a reading is not finite.
     pub error_percent: Option<f64>,
     /// The standard error of the mean by paths, in per cent of it; `None` in darkness.
@@ -41,20 +41,20 @@ pub struct RoomFigures {
     /// The brightest sensor by cones, in per cent of the illuminance outside; `None` if the room is
     /// lit, a reading is not finite, or there is no light outside.
     pub leak_percent: Option<f64>,
-    /// The bias of the picture of all bounces, in per cent of the mean of its truth; `None` in
+    /// The bias of the picture with all bounces, in per cent of its truth's mean; `None` in
     /// darkness, or if a pixel is not finite.
     pub bias_percent: Option<f64>,
-    /// Its RMSE, without the truth's noise.
+    /// The RMSE of this picture, without the truth's noise.
     pub rmse_percent: Option<f64>,
-    /// Pixels of it that are negative or not finite.
+    /// Pixels of this picture that are negative or not finite.
     pub faulty_pixels: usize,
-    /// Seconds of the cones, and of the paths.
+    /// Seconds that cones took, and paths.
     pub cone_seconds: f64,
     pub path_seconds: f64,
 }
 
 impl RoomFigures {
-    /// The figures of sensors; those of the picture are still missing.
+    /// The figures of sensors; figures of the picture are still missing.
     pub fn of_sensors(room: &Room, resolution: u32, cones: &[f32], readings: &[Reading]) -> Self {
         let outside_lux = if room.scene.environment.radiance.x > 0.0 {
             std::f64::consts::PI * f64::from(SKY_RADIANCE)
@@ -110,7 +110,6 @@ impl RoomFigures {
     }
 }
 
-/// One line.
 impl fmt::Display for RoomFigures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}, {} voxels: ", self.name, self.resolution)?;

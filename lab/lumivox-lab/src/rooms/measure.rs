@@ -16,7 +16,7 @@ use super::random::Room;
 
 /// The most bounces of paths.
 const BOUNCES: u32 = 16;
-/// The samples of a sensor, over those of a pixel.
+/// The samples of a sensor divided by those of a pixel.
 const FEWER: u32 = 64;
 /// The fewest samples of a pixel: two batches, so that their noise is known.
 const FEWEST: u32 = 32;
@@ -53,7 +53,7 @@ impl<'a> Meter<'a> {
         resolutions: &[u32],
         (index, count): (u32, u32),
     ) -> anyhow::Result<Vec<RoomFigures>> {
-        // Sensors, picture, and each resolution count the same.
+        // For progress, sensors, picture, and each resolution count the same.
         let parts = 2.0 + resolutions.len() as f64;
         let show = |part: f64| self.progress.set_within("room", index, count, part / parts);
         let hear = |first: f64| {

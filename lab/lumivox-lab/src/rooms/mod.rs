@@ -1,4 +1,4 @@
-//! `lumivox-lab rooms`: the errors of light in random rooms, for which nothing was tuned.
+//! `lumivox-lab rooms`: the errors of light in random rooms, for which Lumivox was not tuned.
 //!
 //! | file | is |
 //! | --- | --- |
@@ -27,12 +27,12 @@ pub use figures::RoomFigures;
 pub use measure::Meter;
 use random::{Kind, Room, room};
 
-/// A fresh seed: the milliseconds of the clock, which wrap after 49 days.
+/// A fresh seed: the clock's milliseconds, which wrap after 49 days.
 pub fn fresh_seed() -> u32 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_millis() as u32)
 }
 
-/// The room of a seed, which also selects one of these kinds.
+/// The room of a seed; the seed also selects the kind among `kinds`.
 ///
 /// # Errors
 /// As [`room`].
@@ -118,10 +118,10 @@ struct Report {
     preset: &'static str,
     /// Samples of each sensor by the path tracer.
     samples: u32,
-    /// Frames of the cones.
+    /// Averaged frames of the cones.
     frames: u32,
     rooms: Vec<RoomFigures>,
-    /// Wall-clock time of everything, s.
+    /// Total wall-clock time, s.
     seconds: f64,
     adapter: AdapterReport,
 }

@@ -20,7 +20,7 @@ use serde::Serialize;
 use crate::cli::VoxelizersArgs;
 use picture::{Panel, picture};
 
-/// Voxelizations that are timed; the fastest counts.
+/// Number of timed voxelizations; the fastest counts.
 const TIMED_RUNS: u32 = 3;
 
 /// The setting `voxelizer`.
@@ -114,7 +114,7 @@ impl Found {
             Err(GiError::NothingToVoxelize { .. }) => Ok(None),
             Err(error) => Err(error),
         };
-        // The first one is not timed: drivers compile kernels at their first use.
+        // Do not time the first voxelization: drivers compile kernels at their first use.
         let voxelized = once()?;
         gpu.wait("voxelizing")?;
         let mut wall_ms = f64::INFINITY;
@@ -151,17 +151,17 @@ struct Report {
 struct MethodReport {
     name: &'static str,
     voxels: u32,
-    /// Voxels of the exact voxelizer that were not found.
+    /// Voxels of the exact voxelizer that this one misses.
     missing: u32,
-    /// The missing voxels that surfaces touch without having area in them.
+    /// Missing voxels that surfaces touch, but in which they have no area.
     missing_touched: u32,
     /// Voxels that the exact voxelizer does not have.
     extra: u32,
     /// Share of the exact surface that is in missing voxels, 0 to 1.
     missing_area: f64,
-    /// Surface found, over the exact one.
+    /// Area found divided by the exact area.
     area: f64,
-    /// RMSE of reflectance, 0 to 1, over the voxels that both have.
+    /// RMSE of reflectance, 0 to 1, over voxels in common.
     color_rmse: f64,
     faces: u32,
     /// Pieces of triangles in voxels.

@@ -18,7 +18,7 @@ pub struct Panel<'a> {
     pub caption: [String; 2],
 }
 
-/// Draws the panels side by side, each of the same size, with a key to the colours below.
+/// Draws the panels side by side, each of this size, with a key to the colours below.
 pub fn picture(panels: &[Panel<'_>], exact: &VoxelSet, camera: &Camera, size: UVec2) -> RgbImage {
     // Text and gaps grow with the panels.
     let text = (size.x as f32 / 22.0).max(12.0);
@@ -49,7 +49,7 @@ pub fn picture(panels: &[Panel<'_>], exact: &VoxelSet, camera: &Camera, size: UV
     canvas.into_image()
 }
 
-/// A linear colour in full light, as on the side of a cube that faces up.
+/// The screen colour of a linear colour in full light, as on the top of a cube.
 fn shown(color: Vec3) -> Rgb<u8> {
     Rgb(color.to_array().map(|c| (lumivox_render::srgb_encode(c) * 255.0).round() as u8))
 }

@@ -1,4 +1,4 @@
-//! The laboratory as its users meet it.
+//! The laboratory as users see it.
 
 #![allow(
     clippy::unwrap_used,

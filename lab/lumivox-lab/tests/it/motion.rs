@@ -15,7 +15,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// Today the renderer restarts with every change: light changes at once, and leaves no trail.
+/// At present the renderer restarts at every change: light changes at once, and leaves no trail.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_switched_lamp_is_measured_step_by_step() {
@@ -33,7 +33,7 @@ fn a_switched_lamp_is_measured_step_by_step() {
         assert!(number(&spread["bias_percent"]["median"]).abs() < 30.0, "{layer}: {spread}");
         let rmse = &spread["rmse_percent"];
         assert!(number(&rmse["worst"]) >= number(&rmse["median"]), "{layer}: {spread}");
-        // At rest, the error of the irradiance may be only the truth's noise.
+        // At rest, the irradiance's error may be only the truth's noise.
         let of_still = &spread["rmse_of_still"];
         assert!(of_still.is_null() || number(&of_still["median"]) > 1.0, "{layer}: {spread}");
         assert!(number(&spread["flip"]["median"]) > 0.0, "{layer}: {spread}");

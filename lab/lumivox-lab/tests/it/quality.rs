@@ -24,7 +24,7 @@ fn quality_docs_writes_the_page_and_resumes_cached_work() {
     }
     let pictures = names(&folder.path().join("docs/images/quality"));
     assert_eq!(pictures, ["error-against-cost.svg", "furnace.png"]);
-    // Nothing is measured again: a changed measurement shows up in the page.
+    // Nothing is measured again: the page shows a modified measurement.
     let kept = folder.path().join("kept/measurements.json");
     let text = fs::read_to_string(&kept).unwrap();
     let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
@@ -38,7 +38,8 @@ fn quality_docs_writes_the_page_and_resumes_cached_work() {
     expect_error(folder.path(), "quality docs nonsense", INPUT, &["nonsense", "cornell"]);
 }
 
-/// Ctrl-C ends it between two measurements, with its own exit code; finished measurements are kept.
+/// Ctrl-C stops the program between two measurements, with its own exit code; finished measurements
+/// are kept.
 #[cfg(unix)]
 #[test]
 #[ignore = "slow: over three seconds"]

@@ -4,8 +4,8 @@ use std::fs;
 
 use crate::common::{INPUT, USAGE, expect_error, folder, in_this_process, lumivox as lab, names};
 
-/// A lamp by night, and daylight through a window: errors of 1.2 and 2.7 %, in pictures 1.4 and
-/// 2.5 % (lavapipe).
+/// A lamp by night, and daylight through a window: errors of sensors are 1.2 and 2.7 %, of pictures
+/// 1.4 and 2.5 % (lavapipe).
 #[test]
 #[ignore = "slow: over three seconds"]
 fn rooms_are_measured_within_six_percent() {

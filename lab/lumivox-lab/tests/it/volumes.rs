@@ -22,7 +22,7 @@ fn octree_memory_grows_with_the_surface() {
         |name, resolution, key: &str| row(&report, name, resolution)[key].as_f64().unwrap();
     let growth = |name| number(name, 64, "bytes") / number(name, 32, "bytes");
     assert!(growth("dense") > 7.0, "{}", growth("dense"));
-    // The surface grows fourfold, and only the small table eightfold.
+    // The surface grows fourfold; only a small table grows eightfold.
     assert!(growth("octree") < 5.0, "{}", growth("octree"));
     assert!(number("octree", 64, "bytes") < 0.3 * number("dense", 64, "bytes"));
     for name in ["dense", "octree", "locks"] {

@@ -8,7 +8,7 @@ use crate::common::{folder, lumivox as lab};
 #[ignore = "slow: over three seconds"]
 fn voxelizers_are_compared() {
     let folder = folder();
-    // Walls at an angle to the grid: the rasterizer's gaps and surplus both show.
+    // Walls at an angle to the grid show both missing and extra voxels of the rasterizer.
     let line = "voxelizers builtin:cornell --rotate 17,31,5 --resolution 32";
     let run = lab(folder.path(), &format!("{line} -o a.png --size 80x60 --json"));
     let report = run.expect_ok().json();

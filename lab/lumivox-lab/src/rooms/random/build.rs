@@ -1,4 +1,4 @@
-//! The solids of a room under construction, its surfaces, and what is free between them.
+//! The solids of a room under construction, its surfaces, and the free space between them.
 //!
 //! A room is made of convex prisms: slabs, posts, steps, boards. Their planes decide whether a
 //! point is inside a solid, so that sensors, lamps and cameras are placed in the air. Everything of
@@ -12,13 +12,13 @@ use lumivox_scene::{Mesh, Scene, Shading};
 use super::dice::Dice;
 use super::{EYES, FEWEST_SENSORS, Kind, RANDOM_SENSORS};
 
-/// The distance of sensors from solids, m; rooms that are not plain also have random sensors.
+/// The distances of usual and of random sensors from solids, m.
 const SENSOR_GAP_M: f32 = 0.005;
 const RANDOM_SENSOR_GAP_M: f32 = 0.05;
-/// The distance of point lights and of eyes from solids.
+/// The distances of point lights and of eyes from solids, m.
 const LAMP_GAP_M: f32 = 0.15;
 const EYE_GAP_M: f32 = 0.25;
-/// The most positions that are tried.
+/// The most positions to try.
 const TRIES: usize = 2000;
 /// The area of a panel that glows with 1000 cd/m², in m²; thin lamps give about the same light.
 const PANEL_M2: f32 = 0.36;
@@ -31,7 +31,7 @@ enum Blocked {
 }
 
 impl Blocked {
-    /// Whether a point is inside, or nearer than `gap_m` to all planes.
+    /// Whether a point is inside the region widened by `gap_m`.
     fn holds(&self, point: Vec3, gap_m: f32) -> bool {
         match self {
             Self::Convex(planes) => {
@@ -62,7 +62,7 @@ pub(super) struct Build {
 }
 
 impl Build {
-    /// A room without geometry, whose walls have their material.
+    /// A room without geometry; the walls have a material.
     pub(super) fn new(dice: Dice, kind: Kind, size_m: Vec3, wall_m: f32, is_open: bool) -> Self {
         let mut build = Self {
             dice,
@@ -81,8 +81,8 @@ impl Build {
         build
     }
 
-    /// A material at random. Plain rooms have rough dielectrics; others have smooth ones and
-    /// checkers, and their things may be of metal.
+    /// A random material. Plain rooms have rough dielectrics; others also have smooth ones and
+    /// checkers, and metal for things.
     fn surface(&mut self, is_thing: bool) -> usize {
         let Self { dice, scene, .. } = self;
         let name = format!("surface {}", scene.materials.len());
@@ -113,7 +113,7 @@ impl Build {
         }
     }
 
-    /// The material of another thing. The things of a plain room share one.
+    /// The material of another thing; all things of a plain room share one.
     pub(super) fn thing(&mut self) -> usize {
         if self.kind == Kind::Plain && self.scene.materials.len() > 1 {
             return 1;
@@ -129,7 +129,7 @@ impl Build {
         append(&mut self.meshes[material], mesh);
     }
 
-    /// A prism: a convex polygon, moved along a vector.
+    /// Adds a prism: a convex polygon, extruded along a vector.
     pub(super) fn prism(&mut self, material: usize, base: &[Vec3], along: Vec3) {
         let mut base = base.to_vec();
         if (base[1] - base[0]).cross(base[2] - base[1]).dot(along) < 0.0 {
@@ -158,7 +158,7 @@ impl Build {
         );
     }
 
-    /// A round thing.
+    /// Adds a round thing, which blocks a ball.
     pub(super) fn ball(&mut self, material: usize, mut mesh: Mesh, center: Vec3, radius_m: f32) {
         for position in &mut mesh.positions {
             *position += center;
@@ -167,13 +167,13 @@ impl Build {
         self.blocked.push(Blocked::Ball(center, radius_m));
     }
 
-    /// A part of a wall.
+    /// Adds a box-shaped part of a wall.
     pub(super) fn slab(&mut self, low: [f32; 3], high: [f32; 3]) {
         self.cuboid(self.walls, low.into(), high.into());
     }
 
-    /// A wall from the floor to a height that faces z, with a hole or without: its x, z, height,
-    /// and the hole's x and y.
+    /// Adds a wall that faces z, from the floor up, with or without a hole: its x, z, height, and
+    /// the hole's x and y.
     pub(super) fn wall(
         &mut self,
         x: [f32; 2],
@@ -202,7 +202,7 @@ impl Build {
         !self.blocked.iter().any(|blocked| blocked.holds(point, gap_m))
     }
 
-    /// The first free one of many points that `draw` returns.
+    /// The first free point that `draw` returns.
     fn free_point(&mut self, gap_m: f32, mut draw: impl FnMut(&mut Dice) -> Vec3) -> Option<Vec3> {
         (0..TRIES).find_map(|_| {
             let point = draw(&mut self.dice);
@@ -218,8 +218,8 @@ impl Build {
         point.unwrap_or(Vec3::Y * 0.5 * height_m)
     }
 
-    /// Hangs a glowing panel from the middle of the ceiling, or elsewhere if it would hit something
-    /// there.
+    /// Hangs a glowing panel from the middle of the ceiling, or from elsewhere if something is in
+    /// its way.
     pub(super) fn panel(&mut self) {
         let dice = &mut self.dice;
         let is_thin = self.kind == Kind::ThinLamp;
@@ -253,8 +253,8 @@ impl Build {
         self.prism(glow, &corners.map(|corner| at + corner), Vec3::Y * thick_m);
     }
 
-    /// Free places and directions of sensors: five usual ones, and random ones in rooms that are
-    /// not plain or where fewer are free.
+    /// Places and directions of sensors, all in free space: up to five usual ones, and random ones
+    /// in rooms that are not plain or have too few usual ones.
     pub(super) fn sensors(&mut self) -> Vec<(Vec3, Vec3)> {
         let Vec3 { x, z, .. } = self.half;
         let height_m = self.size_m.y;
@@ -300,7 +300,7 @@ impl Build {
     }
 }
 
-/// A flat convex polygon, counter-clockwise seen from its front; an image covers a metre.
+/// A flat convex polygon, counter-clockwise seen from its front; textures repeat every metre.
 pub(super) fn face(corners: &[Vec3]) -> Mesh {
     let along = (corners[1] - corners[0]).normalize();
     let normal = along.cross(corners[2] - corners[1]).normalize();

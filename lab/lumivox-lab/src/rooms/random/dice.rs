@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec4, Quat, Vec3};
 use lumivox_scene::builtin::build::{chance, pick};
 
-/// A sequence of random numbers; each is the hash of the seed and of its number.
+/// A sequence of random numbers; each is the hash of the seed and of its index.
 pub(super) struct Dice {
     seed: u32,
     drawn: u32,
@@ -14,7 +14,7 @@ impl Dice {
         Self { seed, drawn: 0 }
     }
 
-    /// From 0 to below 1.
+    /// A number from 0 to below 1.
     pub(super) fn draw(&mut self) -> f32 {
         self.drawn += 1;
         chance(self.seed, self.drawn, 0)
@@ -42,7 +42,7 @@ impl Dice {
         Vec3::from_array([0, 1, 2].map(|axis| self.between(low[axis], high[axis])))
     }
 
-    /// Any rotation, all equally likely: the direction of a point in the ball of four dimensions.
+    /// A uniformly random rotation: the direction of a point in the four-dimensional ball.
     pub(super) fn rotation(&mut self) -> Quat {
         loop {
             let point = [(); 4].map(|()| f64::from(self.between(-1.0, 1.0)));

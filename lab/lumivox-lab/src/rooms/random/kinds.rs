@@ -121,7 +121,7 @@ impl Build {
             self.beyond([(Vec3::new(-slope, 1.0, 0.0).normalize(), {
                 (from.y - slope * from.x) / (1.0 + slope * slope).sqrt()
             })]);
-            // The walls at both ends reach the roof's lower side.
+            // The walls at both ends reach up to the roof's lower side.
             if i == 0 {
                 let foot = from.with_y(0.0);
                 profile(self, &[foot - Vec2::X * t, foot, from, from - step], whole);
@@ -167,8 +167,8 @@ impl Build {
         self.slab([-x - t, y[0], inner_z + t], [inner_x + t, y[1], z + t]);
     }
 
-    /// A ridge over two sheets, with a sheet as floor and at each end; if it is open, one end has a
-    /// door.
+    /// A ridge over two sheets, with a sheet as floor and at each end; one end has a door if the
+    /// room is open.
     fn tent(&mut self) {
         let (Vec3 { x, z, .. }, height_m) = (self.half, self.size_m.y);
         self.hang_m = 0.6 * height_m;
@@ -351,7 +351,7 @@ fn polygon(sides: u32, corner: impl Fn(f32, f32) -> Vec3) -> Vec<Vec3> {
     (0..sides).map(|side| corner(angle_rad(side).cos(), angle_rad(side).sin())).collect()
 }
 
-/// Normals from the triangles' planes, weighted by area; vertices in one place share theirs.
+/// Computes normals from the triangles' planes, weighted by area; vertices in one place share them.
 fn smooth(mesh: &mut Mesh) {
     let key = |position: Vec3| position.to_array().map(|part| (part * 1e5).round() as i32);
     let mut sums = std::collections::HashMap::new();

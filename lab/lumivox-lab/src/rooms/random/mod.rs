@@ -1,4 +1,4 @@
-//! Random rooms, to measure light in scenes that nothing was tuned for.
+//! Random rooms, to measure light in scenes for which Lumivox was not tuned.
 //!
 //! A room is 3 to 8 m wide, with walls of 1 to 60 cm, single- or double-sided, along the axes or
 //! turned by any rotation, lit by a lamp, a glowing panel, a sky through a window, or a lamp by
@@ -12,8 +12,8 @@
 //! | `dice.rs` | the random numbers |
 //!
 //! A seed gives the same room on any machine, since the random numbers come from an integer hash.
-//! Sines and cosines, which systems round differently, only place the corners of round and oblique
-//! things.
+//! Systems round sines and cosines differently, but these only place the corners of round and
+//! oblique things.
 
 mod build;
 mod dice;
@@ -33,11 +33,11 @@ pub const SKY_RADIANCE: f32 = 1000.0;
 
 /// The thicknesses of walls, in metres.
 const WALLS_M: [f32; 8] = [0.01, 0.03, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6];
-/// Sensors that each room has at least.
+/// The fewest sensors of a room.
 const FEWEST_SENSORS: usize = 3;
-/// Sensors at random places of rooms that are not plain.
+/// Number of random sensors in rooms that are not plain.
 const RANDOM_SENSORS: usize = 3;
-/// Eyes among which a camera is chosen.
+/// Number of eyes among which a camera is chosen.
 const EYES: usize = 24;
 
 /// The kinds of rooms.
@@ -126,7 +126,7 @@ pub enum RoomLight {
     Sky,
     /// A point light by day, sometimes with a window.
     Day,
-    /// None: a closed room by day.
+    /// No light: a closed room by day.
     Dark,
 }
 
@@ -159,13 +159,13 @@ pub struct Room {
     pub kind: Kind,
     /// The thickness of the walls in metres; 0 for sheets.
     pub wall_m: f32,
-    /// Whether all surfaces are double-sided.
+    /// `true` if all surfaces are double-sided.
     pub is_double_sided: bool,
-    /// Whether the room is turned against the axes.
+    /// `true` if the room is turned against the axes.
     pub is_turned: bool,
     /// The light.
     pub light: RoomLight,
-    /// Whether there is a window or another way out.
+    /// `true` if there is a window or another opening.
     pub is_open: bool,
 }
 

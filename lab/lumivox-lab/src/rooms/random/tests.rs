@@ -1,4 +1,4 @@
-//! The promises of rooms, checked by rays.
+//! Checks the properties of rooms by rays.
 
 use glam::Vec3;
 use lumivox_scene::{Picker, Scene};
@@ -33,7 +33,7 @@ fn the_same_seed_gives_the_same_room() {
         assert_eq!((&a.scene, &a.sensors), (&b.scene, &b.sensors));
         assert_ne!(a.sensors, other.sensors, "{kind:?}");
     }
-    // On every machine.
+    // The room is the same on every machine.
     let size_m = room(3, Kind::Plain).unwrap().scene.bounds().size();
     assert!(size_m.abs_diff_eq(Vec3::new(3.242_64, 3.312_226, 4.625_248), 1e-5), "{size_m}");
 }
@@ -55,7 +55,7 @@ fn rooms_are_closed_and_sensors_are_in_free_air() {
             for direction in directions() {
                 let [front, first] = [&fronts, &all].map(|picker| picker.pick(*at, direction));
                 escaped += u32::from(first.is_none());
-                // Within a solid the first surface is a back.
+                // From within a solid, the first surface shows its back.
                 let distances = [front, first].map(|met| met.map(|met| met.distance_m));
                 assert_eq!(distances[0], distances[1], "{name}: {at} is within a solid");
             }
