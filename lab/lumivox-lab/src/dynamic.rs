@@ -373,7 +373,8 @@ impl Report {
 mod tests {
     use super::*;
 
-    /// The share is met to the triangle, no triangle is lost, and the small things move.
+    /// Exactly the requested share of triangles moves, no triangle is lost, and small instances
+    /// move first.
     #[test]
     fn the_marked_dynamic_share_matches_the_request() {
         for (name, share) in

@@ -104,7 +104,7 @@ impl Runner {
         Ok(Self { console, host: host.clone(), progress, is_over: false })
     }
 
-    /// Runs all lines, and the lines that those add.
+    /// Runs all lines, including those that lines add.
     fn run(&mut self, mut queue: Queue, keeps_going: bool) -> anyhow::Result<()> {
         let mut first = None;
         let mut failed = 0_u32;

@@ -22,7 +22,7 @@ pub fn run(args: &WindowArgs, host: &Host) -> anyhow::Result<()> {
     let settings = args.explore.settings()?;
     // Cheap checks come first.
     let event_loop = window::event_loop()?;
-    // The driver's threads inherit the lower priority of the thread that opens the device.
+    // Open the device on a thread with low priority, which the driver's threads inherit.
     let open = || {
         window::give_way();
         host.open_gpu(&args.explore.gpu.options())

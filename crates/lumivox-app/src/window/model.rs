@@ -57,7 +57,7 @@ pub struct Model {
     pub selections: u64,
     /// World position of the last click on the scene.
     pub picked_at: Option<Vec3>,
-    /// The picture's counterpart behind the split slider.
+    /// The picture's counterpart at the split slider.
     pub comparand: Comparand,
     /// Figures of the voxels.
     pub voxels: VoxelModel,
@@ -102,7 +102,7 @@ impl Selected {
     }
 }
 
-/// The picture's counterpart behind the split slider.
+/// The picture's counterpart at the split slider.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Comparand {
     /// Nothing.
@@ -117,7 +117,6 @@ pub enum Comparand {
 /// The scene.
 #[derive(Clone, Debug, Default)]
 pub struct SceneModel {
-    /// Its name.
     pub name: String,
     /// Its source, as an argument of `load`.
     pub source: String,
@@ -146,7 +145,6 @@ pub struct SceneModel {
 /// An object.
 #[derive(Clone, Debug)]
 pub struct ObjectModel {
-    /// Its name.
     pub name: String,
     /// `true` if it is hidden.
     pub is_hidden: bool,

@@ -185,7 +185,7 @@ mod tests {
         for change in [write, replace] {
             std::fs::write(&file, "v 0 0 0").unwrap();
             let (sender, changes) = mpsc::channel();
-            // A new watcher each time, without earlier events.
+            // Use a new watcher each time: it has no earlier events.
             let watched = watch(&file, false, move || {
                 let _ = sender.send(());
             })

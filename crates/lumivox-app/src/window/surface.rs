@@ -50,7 +50,7 @@ struct Parts {
     gpu: Gpu,
     painter: egui_wgpu::Renderer,
     textures: Textures,
-    /// Created with the first frame, and again when the window's size or scale changes.
+    /// The painted window; replaced when its size or scale changes. `None` before the first frame.
     canvas: Option<Canvas>,
     /// `true` if the device is out of memory or its driver has failed.
     is_broken: bool,

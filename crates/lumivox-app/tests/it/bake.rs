@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::common::{INPUT, OUTPUT, USAGE, expect_error, folder, lumivox, names};
 
-/// The size of a volume's file, and the red light of its texels.
+/// The size in texels of a volume's file, and the red channel of its texels.
 fn texels(file: &Path) -> ([u32; 3], Vec<f32>) {
     let file = ktx2::Reader::new(fs::read(file).unwrap()).unwrap();
     let header = file.header();

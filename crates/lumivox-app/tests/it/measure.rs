@@ -122,7 +122,7 @@ fn every_method_lights_a_room_with_a_flush_lamp() {
     }
 }
 
-/// A block of a metre on 10 km of ground: a texel of the sun's map is as large as a house.
+/// A block of one metre on 10 km of ground: a texel of the sun's map is as large as a house.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn shadows_finer_than_the_shadow_map_are_reported() {

@@ -1,4 +1,4 @@
-//! One sequence with one set of settings, measured.
+//! Measures one sequence with one set of settings.
 
 use std::rc::Rc;
 

@@ -1,4 +1,4 @@
-//! The motion of the sequences: what each needs in its scene, and its pose at a step.
+//! The motion of the sequences: their poses, and what they add to scenes.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 

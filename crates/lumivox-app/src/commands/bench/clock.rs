@@ -2,7 +2,7 @@
 //!
 //! A driver may take timestamps at the wrong time (software drivers: when they read commands, not
 //! when they run), in the wrong unit, or not at all. So they are checked once against the wall
-//! clock. The same work, the light of a scene's voxels and a frame, is timed by timestamps, and by
+//! clock: the same work (lighting a scene's voxels, and a frame) is timed by timestamps, and by
 //! submitting each pass separately and waiting for it. A wait costs some tenths of a millisecond,
 //! so only passes that are much longer are compared, and the work grows until there are some. If
 //! the two clocks disagree, the wall clock is used for all measurements.

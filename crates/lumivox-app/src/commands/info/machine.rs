@@ -45,7 +45,7 @@ struct DeviceReport {
     largest_volume: VolumeReport,
     /// Volumes of the usual resolutions up to the largest.
     volumes: Vec<VolumeReport>,
-    /// The largest resolution of an octree, if its surface fits.
+    /// The largest resolution of an octree, if its surface fits the memory.
     largest_octree: u32,
 }
 

@@ -15,7 +15,7 @@ use crate::cli::MeasureArgs;
 const MOST: usize = 1 << 20;
 /// The most places that are checked for lying inside solids, or in shade that shadow maps miss.
 const MOST_LOOKED_AT: usize = 1 << 14;
-/// The largest distance of a place from the scene, in sizes of the scene.
+/// The largest distance of a place from the scene, as a multiple of the scene's size.
 const FARTHEST: f32 = 1000.0;
 /// Cells along the longer side of a workplane if no spacing is given.
 const CELLS: f32 = 24.0;

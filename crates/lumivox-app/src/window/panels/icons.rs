@@ -39,7 +39,7 @@ pub fn button(ui: &mut Ui, icon: Icon, color: Color32, name: &str) -> Response {
             painter.line_segment([at(-3.5, 3.5), at(3.5, -3.5)], line);
         }
         Icon::Back => {
-            // Three quarters of a circle, and an arrow's head at its start.
+            // Three quarters of a circle, with an arrowhead at its start.
             let angle = |step: usize| -2.2 + step as f32 * 0.42;
             let arc: Vec<Pos2> =
                 (0..=11).map(|step| at(4.4 * angle(step).cos(), 4.4 * angle(step).sin())).collect();

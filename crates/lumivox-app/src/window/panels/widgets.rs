@@ -7,7 +7,7 @@ use crate::window::theme;
 
 /// Width of the names, points.
 const NAME_WIDTH: f32 = 104.0;
-/// Width that is kept free on the right for the reset arrow.
+/// Width reserved on the right for the reset arrow.
 const RESET_WIDTH: f32 = 20.0;
 
 /// A row with a name, a tooltip and a control.

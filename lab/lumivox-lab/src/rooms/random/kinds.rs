@@ -309,7 +309,7 @@ impl Build {
         self.wall(x, [z[0] - t, z[0]], top_m, doorway);
     }
 
-    /// A wall across the room with a doorway, before which a door is open by 2 to 60 degrees.
+    /// A wall across the room with a doorway, and its door, open by 2 to 60 degrees.
     fn door_ajar(&mut self) {
         let (Vec3 { x, z, .. }, height_m) = (self.half, self.size_m.y);
         let front = self.dice.between(-0.3, 0.3) * z;

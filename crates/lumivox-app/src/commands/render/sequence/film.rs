@@ -66,8 +66,8 @@ impl Film {
         Ok(())
     }
 
-    /// Renders the picture; with [`History::Kept`], all frames of the settings in addition to
-    /// earlier ones. Returns `None` if the user stopped it; a later run then renders it again.
+    /// Renders the picture; with [`History::Kept`], all its frames in addition to earlier ones.
+    /// Returns `None` if the user stopped it; a later run then renders it again.
     ///
     /// # Errors
     /// When nothing is shown, or the device fails.
