@@ -29,7 +29,7 @@ pub trait Look: Any + Debug + Send + Sync {
     /// The name, in lower case.
     fn name(&self) -> &'static str;
 
-    /// Whether another look with the same name has the same settings.
+    /// Whether `other`, a look with the same name, has the same settings.
     fn is_same(&self, other: &dyn Look) -> bool;
 
     /// Checks the settings against their ranges.
@@ -38,15 +38,15 @@ pub trait Look: Any + Debug + Send + Sync {
     /// [`RenderError::Setting`] for the first one that is out of range.
     fn validate(&self) -> Result<(), RenderError>;
 
-    /// Whether it draws a view. Lumivox draws the other views.
+    /// Whether the look draws `view`. Lumivox draws the other views.
     fn shows(&self, view: View) -> bool;
 
-    /// The coarsest level in its views of voxels.
+    /// The coarsest level in the look's views of voxels.
     fn last_level(&self) -> u32 {
         0
     }
 
-    /// Its exposure and curve; `scene` is `None` if the scene is not known yet.
+    /// The look's exposure and curve; `scene` is `None` if not known yet.
     fn display(&self, scene: Option<&Scene>) -> (Exposure, ToneMap);
 
     /// Creates the passes that draw a scene. `grid` is the box that the grid is fitted to. GPU
@@ -89,7 +89,7 @@ impl LookScene {
 /// The passes of a look for one scene, created by [`Look::passes`]. They are recreated when
 /// materials or the grid change, and dropped when another look is chosen.
 pub trait LookPasses: Debug + wgpu::WasmNotSendSync {
-    /// Updates lights and transforms; the materials are unchanged.
+    /// Updates lights and transforms, not materials.
     fn set_scene(&mut self, scene: &LookScene);
 
     /// Invalidates everything that depends on transforms and light, for the next frame.

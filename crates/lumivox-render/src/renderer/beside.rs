@@ -1,5 +1,5 @@
 //! Other views of the picture's frames, from the same G-buffer and the same cones, each with a
-//! separate mean. They let measurements read other quantities than the view on the screen.
+//! separate mean. For measurements of quantities that the view on the screen does not show.
 
 use lumivox::gpu::Recorder;
 use lumivox::{Gi, GiView, Lights};
@@ -59,8 +59,8 @@ impl BesideView {
     }
 }
 
-/// Adds the first of `samples` samples of frame `frame` to a view's mean. If the view shows what is
-/// known from earlier frames, the sample replaces the mean.
+/// Adds the first of `samples` samples of frame `frame` to a view's mean. In views of known light,
+/// the sample replaces the mean.
 pub(super) fn add_frame(
     accumulate: &mut AccumulatePass,
     recorder: &mut Recorder,

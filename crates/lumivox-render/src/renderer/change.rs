@@ -37,7 +37,7 @@ struct Redo {
 
 impl Redo {
     /// Compares settings; `is_same_volume` is `true` if both have the same grid and the volume
-    /// stores the cells that are shown.
+    /// stores all cells that are shown.
     fn between(old: &RenderSettings, new: &RenderSettings, is_same_volume: bool) -> Self {
         let changed = PARAMETERS.iter().filter(|row| row.get(old) != row.get(new));
         let changed: HashSet<Redoes> = changed.map(|row| row.redoes).collect();
@@ -254,7 +254,7 @@ impl Renderer {
         let lighting = Lighting::of(scene);
         let (unit, bounds) = (self.scene.radiance_unit, self.grid_bounds);
         let is_suited = if self.settings.updates_by_frame() {
-            // Tolerates a lamp that is switched off: it may be switched on again.
+            // Keep the unit if a lamp is switched off: it may be switched on again.
             suits(unit, bounds, scene, &lighting)
         } else {
             radiance_unit_within(bounds, scene, &lighting).to_bits() == unit.to_bits()
@@ -266,7 +266,7 @@ impl Renderer {
         self.update(false, progress).await
     }
 
-    /// Voxelizes everything again, including static objects, whether it has moved or not. The mean
+    /// Voxelizes everything again, including objects that are static or have not moved. The mean
     /// starts again if something has moved. `progress` is called with the stages `voxelize` and
     /// `light`.
     ///
@@ -320,7 +320,7 @@ impl Renderer {
             self.look = None;
         }
         if self.settings.shown_look().is_some() {
-            // The light in the volume will become stale.
+            // A look does not update the volume's light.
             self.gi.forget_light();
         }
     }
@@ -365,7 +365,7 @@ impl Renderer {
         if maps[0].map(Arc::as_ptr) != maps[1].map(Arc::as_ptr) {
             self.environment = environment_map(&self.gpu, &lighting)?;
         }
-        // Only new lights update the look: its white must not change when objects move.
+        // Update the look only for new lights: its white must not change when objects move.
         let is_new = lighting.lights != self.lighting.lights;
         self.lighting = lighting;
         if is_new {

@@ -229,7 +229,7 @@ fn list_bytes(grid: &Grid, voxels: u64, settings: &RenderSettings) -> u64 {
 }
 
 /// For each share: bits, ranks, an index with both, planes, and the faces' sums. The moving share
-/// also has the faces, with a quarter to spare; and there are the bits of both together.
+/// also stores faces, with a quarter to spare. Another set of bits is for both shares together.
 fn kept_bytes(grid: &Grid, fixed: u64, voxels: u64) -> u64 {
     let cells = u64::from(grid.morton_edge(0)).pow(3);
     let faces = |voxels: u64| (voxels as f64 * FACES_PER_VOXEL) as u64;
@@ -329,7 +329,7 @@ mod tests {
                     // Tilted walls are overestimated at their edges, and surfaces that share a
                     // voxel count twice.
                     "voxel list (about)" => (truth(&["voxels", "light"]), 0.4),
-                    // The white texel for missing textures.
+                    // The rest is the white texel for missing textures.
                     "textures" => (truth(&["textures"]), 0.001),
                     "voxel volume" => (truth(&["volume"]), 0.001),
                     // It depends on how voxels touch each other.

@@ -22,7 +22,7 @@ pub struct VoxelFace {
     pub reflectance: Vec3,
     /// The mean emitted radiance, cd/m².
     pub emission: Vec3,
-    /// The outgoing radiance, cd/m², as the last gather finds it: with one bounce fewer than the
+    /// The outgoing radiance, cd/m², that the last gather reads: with one bounce fewer than the
     /// settings have.
     pub radiance: Vec3,
 }

@@ -57,7 +57,7 @@ pub struct Renderer {
     scene: GpuScene,
     /// The box that the grid is fitted to if the settings have none.
     scene_bounds: Bounds,
-    /// Whether the grid may be empty: the scene defines its own grid.
+    /// `true` if the scene defines its own grid, which may be empty.
     may_be_empty: bool,
     /// The box that the grid is fitted to.
     grid_bounds: Bounds,
@@ -174,7 +174,7 @@ impl Renderer {
         progress(RenderProgress { stage: "voxelize", done: 1, total: 1 });
 
         let map = environment_map(gpu, &lighting)?;
-        // `relight` binds the scene's own.
+        // `relight` will bind the scene's lights.
         let lights = gi.bind_lights(&[], glam::Vec3::ZERO, None);
         let near_shadows = NearShadows::new(gpu, &lights);
         Ok(Self {
@@ -206,8 +206,8 @@ impl Renderer {
         })
     }
 
-    /// Runs the kernels of light once: drivers compile a kernel at its first use, which must not
-    /// count towards a stage's time.
+    /// Runs the kernels of light once: drivers compile a kernel at its first use, and stages' times
+    /// must not include that.
     fn use_kernels_of_light(&mut self) -> Result<(), RenderError> {
         let Self { gpu, gi, lights, settings, .. } = self;
         if settings.shown_look().is_none() {
@@ -219,7 +219,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Renders the frames that the settings ask for and that are missing, and finishes the picture.
+    /// Renders the frames still missing from the settings' number, and finishes the picture.
     /// `progress` is called with the stage `render` after each frame.
     ///
     /// # Errors
@@ -287,7 +287,7 @@ impl Renderer {
         self.draw_frame(false).await.map(|_| ())
     }
 
-    /// Renders a frame; `is_kept` adds it to the mean.
+    /// Renders a frame, and adds it to the mean if `is_kept`.
     async fn draw_frame(&mut self, is_kept: bool) -> Result<FrameStatus, RenderError> {
         self.move_with_camera().await?;
         self.prepare_view().await?;
@@ -302,8 +302,8 @@ impl Renderer {
         Ok(self.gi.status())
     }
 
-    /// Records the passes of the first of `samples` samples of the next frame; `is_kept` adds it to
-    /// the mean.
+    /// Records the passes of the first of the next frame's `samples` samples, and adds it to the
+    /// mean if `is_kept`.
     fn record_frame(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -319,7 +319,8 @@ impl Renderer {
             && !settings.view.is_of_voxels()
             && settings.view != View::Lod;
         let has_cones = shows_surfaces && settings.view.needs_cones(settings.bounces);
-        // Blended frames are counted over all pictures: they must not repeat each other.
+        // Frames that are blended over time are numbered across pictures, so that their cones
+        // differ.
         let number = (!(has_cones && targets.view.is_temporal())).then_some(frame);
         let seen = camera_view(camera, settings.size, (number, jitter));
         targets.view.set_camera(&self.gpu.queue, seen);
@@ -415,7 +416,7 @@ impl Renderer {
         passes.record(gpu, recorder, &frame);
     }
 
-    /// Compiles the pipelines that the view and the look need and no earlier frame needed.
+    /// Compiles the pipelines that the view and the look need, unless an earlier frame did.
     async fn prepare_view(&mut self) -> Result<(), RenderError> {
         let Self {
             gpu, settings, scene, gi, passes, targets, look, look_scene, grid_bounds, ..
@@ -437,8 +438,8 @@ impl Renderer {
         self.targets.accumulate.frames()
     }
 
-    /// Whether the picture has all frames that the settings ask for, and nothing is pending: voxels
-    /// do not lag behind moving objects, and no geometry is still to be uploaded.
+    /// Whether the picture has all frames of the settings, and nothing is pending: no voxels of
+    /// moved objects, and no upload of geometry.
     pub fn is_complete(&self) -> bool {
         self.frame_count() >= self.settings.frames
             && !self.are_voxels_late()
@@ -471,8 +472,8 @@ impl Renderer {
         &self.voxels
     }
 
-    /// The mean time of each pass, in order, over the frames that ran it. Empty unless the settings
-    /// enable timing.
+    /// The mean time of each pass over the frames that ran it, in order of passes. Empty unless the
+    /// settings enable timing.
     pub fn times(&self) -> Vec<StageTime> {
         self.times.means()
     }

@@ -1,4 +1,4 @@
-//! The overlay: its frames, and its blend over the picture.
+//! The overlay: renders its frames and blends them over the picture.
 
 use lumivox::gpu::Recorder;
 
@@ -117,7 +117,7 @@ impl Renderer {
     fn shown(&self) -> Shown {
         let Self { settings, .. } = self;
         let mut overlay = settings.overlay.clone();
-        // Voxels are not surfaces.
+        // In views of voxels there are no surfaces to hide.
         overlay.hides_surfaces &= !settings.view.is_of_voxels();
         let voxel_level = settings.voxel_level.min(self.gi.grid().level_count() - 1);
         Shown { overlay, voxel_level }

@@ -73,7 +73,7 @@ impl Passes {
         Ok(())
     }
 
-    /// Creates everything of the picture's size.
+    /// Creates all resources of the picture's size.
     pub(super) async fn targets(
         &self,
         gpu: &Gpu,

@@ -45,9 +45,8 @@ impl Renderer {
     }
 
     /// The irradiance in lux at points in the world, m, on surfaces or in the air, with normals of
-    /// any length except zero: the reading of a lux meter. It is gathered by the cones of the
-    /// settings, with as many bounces as the picture, over `frames` frames (1 to 65 536) with
-    /// different cone directions.
+    /// any length except zero: the reading of a lux meter. Gathered by the settings' cones, with
+    /// the picture's bounces, over `frames` frames (1 to 65 536) with different directions.
     ///
     /// # Errors
     /// [`RenderError::Setting`] in a look without physical units; [`RenderError::Gi`] as

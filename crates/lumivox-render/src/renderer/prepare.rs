@@ -66,8 +66,7 @@ pub(super) async fn compile(
 /// # Errors
 /// [`RenderError::OutOfMemory`] and the library's own errors, when something does not fit.
 pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, RenderError> {
-    // Commands on a texture that could not be created raise further errors; this scope catches
-    // them.
+    // Catches the further errors that commands on a texture raise if it could not be created.
     let followers = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let gi = Gi::with_pipelines(&gpu.pipelines, &gpu.queue, config.clone());
@@ -75,7 +74,7 @@ pub async fn global_illumination(gpu: &Gpu, config: GiConfig) -> Result<Gi, Rend
     let refused = followers.pop().await;
     if is_short {
         let [x, y, z] = config.grid.dimensions.to_array();
-        // An octree allocates almost no memory before there are voxels.
+        // An octree allocates hardly any memory before it has voxels.
         let (kind, bytes, remedy) = match config.volume {
             VolumeKind::Dense => (
                 "a dense volume",

@@ -24,9 +24,8 @@ const SAMPLED_FRAMES: u32 = 16;
 /// frame.
 const MOVING_SAMPLES: u32 = 2;
 
-/// The samples of frame `frame`: 16, 8, 4, 4, then 2, and 1 from the 17th on. So the error
-/// of edges hardly grows with a new frame, although blended frames have a weight of half or more
-/// at first.
+/// The number of samples of frame `frame`: 16, 8, 4, 4, then 2, and 1 from the 17th. So a new frame
+/// hardly adds error at edges, although blended frames at first have a weight of half or more.
 fn samples_of(frame: u32) -> u32 {
     match frame {
         0 => 16,
@@ -37,14 +36,13 @@ fn samples_of(frame: u32) -> u32 {
     }
 }
 
-/// The number of the first sample of frame `frame`, in views that take several samples in the first
-/// frames and in views that do not.
+/// The number of the first sample of frame `frame`, in all views, even with one sample a frame.
 pub(super) fn samples_before(frame: u32) -> u32 {
     let several = frame.min(SAMPLED_FRAMES);
     (0..several).map(samples_of).sum::<u32>() + (frame - several)
 }
 
-/// A camera in a frame: its number, if it does not just follow the last one, and its jitter, px.
+/// The camera of a frame, given the frame's number (`None`: the last one's plus 1) and jitter, px.
 pub(super) fn camera_view(
     camera: &Camera,
     size: UVec2,
@@ -56,9 +54,9 @@ pub(super) fn camera_view(
 }
 
 impl Renderer {
-    /// Whether the first frames have several samples. Only pictures of light with cheap direct
-    /// light do. Other views show the first sample, so that a picture of one frame has the depths
-    /// and normals of surfaces, not their means.
+    /// Whether the first frames have several samples: only in views of light, if direct light is
+    /// cheap. A picture of one frame in other views has the depths and normals of surfaces, not
+    /// their means.
     fn is_sampled(&self) -> bool {
         let settings = &self.settings;
         settings.view.is_light()
@@ -68,14 +66,14 @@ impl Renderer {
             && settings.shadows == ShadowMethod::Map
     }
 
-    /// The samples of the next frame; 1 if the mean continues from an earlier picture, whose edges
-    /// are smooth already. Frames of which each starts a new mean are those of something that moves
-    /// and have fewer; the first frame without a change starts again with all samples.
+    /// The number of samples of the next frame; 1 if the mean continues from an earlier picture,
+    /// whose edges are already smooth. While something moves, each frame starts a new mean and has
+    /// fewer; the first frame without a change has all samples again.
     pub(super) fn take_samples(&mut self) -> u32 {
         if !self.is_sampled() || self.targets.accumulate.has_past() {
             return 1;
         }
-        // A picture of one frame has all samples, also if the next one differs.
+        // A picture of one frame always has all samples.
         let is_mean = self.settings.frames > 1;
         if is_mean && self.restarts > 1 && self.frame_count() == 1 {
             self.targets.accumulate.reset();
@@ -87,7 +85,7 @@ impl Renderer {
         if moves { MOVING_SAMPLES } else { samples_of(frame) }
     }
 
-    /// Draws the next frame as the first one: nothing is left of frames before.
+    /// Makes the next frame the first one: nothing of earlier frames remains.
     pub(super) fn start_like_new(&mut self) {
         (self.samples_drawn, self.restarts) = (0, 0);
     }

@@ -11,7 +11,7 @@ use crate::{
 };
 
 impl Renderer {
-    /// The picture of the frames so far; it needs at least one to show anything.
+    /// The picture of the frames so far, of which there must be at least one.
     ///
     /// # Errors
     /// When the device fails.

@@ -10,8 +10,8 @@ use super::{RenderError, RenderProgress, Renderer};
 use crate::scene::StreamedGeometry;
 use crate::{Picture, RenderSettings};
 
-/// The least number of bounces with incremental light, which includes all bounces. With fewer
-/// bounces the user wants exactly that many, so the light is gathered from darkness at each change.
+/// The least number of bounces with incremental light, which accumulates any number. With fewer,
+/// the user wants exactly that many, so each change gathers light from darkness.
 const MANY_BOUNCES: u32 = 8;
 
 /// The most bytes of vertices uploaded in a frame while streaming with the camera.
@@ -21,11 +21,11 @@ const UPLOADED_BYTES: u64 = 4 << 20;
 #[allow(clippy::struct_excessive_bools, reason = "independent facts about one frame")]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Updates {
-    /// Surfaces have moved, and their voxels are not recorded, or late.
+    /// Whether surfaces have moved whose voxels are late or not recorded yet.
     pub(super) surfaces: bool,
     /// Whether it is still unknown if the voxels of the last move fitted into their buffers.
     pub(super) is_pending: bool,
-    /// Lights or their shadow casters have moved.
+    /// Whether lights or their shadow casters have moved.
     pub(super) lights: bool,
     /// Whether the light of the last frame was still changing.
     pub(super) is_settling: bool,
@@ -107,12 +107,12 @@ impl Renderer {
     }
 
     /// How much of the scene is on the GPU; `None` if there is no budget
-    /// ([`RenderSettings::geometry_budget`]) and all of it is.
+    /// ([`RenderSettings::geometry_budget`]), so all of it.
     pub fn streamed(&self) -> Option<StreamedGeometry> {
         self.scene.streamed()
     }
 
-    /// Notes that lights have changed, and surfaces if `surfaces`. The mean starts again.
+    /// Marks lights as changed, and surfaces if `surfaces`. The mean starts again.
     pub(super) fn changed(&mut self, surfaces: bool) {
         self.updates.surfaces |= surfaces;
         self.updates.lights = true;
@@ -144,8 +144,8 @@ impl Renderer {
         self.relight(progress).await
     }
 
-    /// Whether voxels still lag behind moved objects. Whether the last move fitted into the buffers
-    /// is only known once the GPU has finished it; this waits for the GPU, except in browsers.
+    /// Whether voxels still lag behind moved objects. Waits for the GPU, except in browsers: only
+    /// then is it known if the last move fitted into the buffers.
     pub(super) fn are_voxels_late(&self) -> bool {
         let Updates { surfaces, is_pending, .. } = self.updates;
         if surfaces || !is_pending {
@@ -177,7 +177,7 @@ impl Renderer {
         }
         self.updates.surfaces = true;
         if follows {
-            // Geometry that comes or goes changes the shadow maps.
+            // Geometry that is loaded or unloaded changes the shadow maps.
             self.updates.lights |= has_streamed;
             return Ok(());
         }
@@ -220,7 +220,7 @@ impl Renderer {
             self.targets.accumulate.reset();
         }
         if surfaces || lights || follows {
-            // A move whose voxels had room needs no more light.
+            // After a move whose voxels fitted, light has been updated.
             let is_changing = self.updates.surfaces || lights || self.gi.status().is_late;
             let is_lit = (is_changing || follows) && self.settings.shown_look().is_none();
             let frame = Frame {

@@ -17,7 +17,7 @@ pub(crate) struct DrawRecord {
 
 impl DrawRecord {
     pub(super) fn new(world_from_local: Mat4) -> Self {
-        // With the determinant's sign: mirroring must not turn normals inwards.
+        // Multiplied by the determinant's sign: mirroring must not turn normals inwards.
         let linear = glam::Mat3::from_mat4(world_from_local);
         let normal_from_local = Mat4::from_mat3(linear.inverse().transpose());
         Self { world_from_local, normal_from_local }
@@ -48,7 +48,7 @@ pub struct SceneDraw {
 }
 
 impl SceneDraw {
-    /// Whether another draw has the same triangles, whatever its transform.
+    /// Whether `other` has the same triangles, whatever its transform.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         let triangles = |draw: &Self| (draw.batch, draw.indices.clone(), draw.base_vertex);
         triangles(self) == triangles(other) && self.record == other.record
@@ -58,11 +58,11 @@ impl SceneDraw {
 /// The parts of an instance.
 #[derive(Clone, Debug)]
 pub(super) struct InstanceParts {
-    /// Its properties at upload, without its transform; `None` if it is hidden.
+    /// The instance's properties at upload, without its transform; `None` if it is hidden.
     pub(super) kind: Option<InstanceKind>,
-    /// Its range in `draws`.
+    /// The range of the instance's draws in `draws`.
     pub(super) draws: Range<usize>,
-    /// Its draws in the batches of `geometry` (batch and index), if they are voxelized.
+    /// Batch and index in `geometry` of each draw, if they are voxelized.
     pub(super) voxelized: Vec<(usize, usize)>,
 }
 

@@ -37,11 +37,11 @@ pub enum Attributes {
 pub(crate) struct AllAttributes {
     pub(crate) texcoord: [f32; 2],
     pub(crate) texcoord_1: [f32; 2],
-    /// 65 535 is one: 8 bits would not resolve dark linear light.
+    /// Linear; 65 535 is one. 8 bits would not resolve dark colours.
     pub(crate) color: [u16; 4],
 }
 
-/// Bytes of a vertex in all buffers together, with the fewest attributes.
+/// Bytes of a vertex in all buffers together, with [`Attributes::Texcoords`].
 pub(crate) const VERTEX_BYTES: u64 =
     (size_of::<[f32; 3]>() + size_of::<[f32; 2]>() + size_of::<Shading>()) as u64;
 
@@ -204,8 +204,8 @@ pub(crate) fn pack(
     (batches, pieces)
 }
 
-/// Appends the given vertices of a mesh, and triangles between them, to the last batch of their
-/// kind or to a new one.
+/// Appends vertices of a mesh, and triangles between them, to the last batch of their kind or, if
+/// that is full, to a new one.
 fn append(
     batches: &mut Vec<Batch>,
     kind: BatchKind,

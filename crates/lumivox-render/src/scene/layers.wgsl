@@ -1,6 +1,6 @@
 // The layers on top of plain materials: a varying reflectance, clear coat, sheen, glass, and
-// coverage by alpha. They are combined into a plain surface with a coat, which exists with some
-// probability.
+// coverage by alpha. They are combined into a plain surface with a coat; the surface exists with
+// some probability.
 
 import package::trace::brdf::fresnel_schlick;
 
@@ -12,8 +12,7 @@ struct LayerSamples {
     sheen_color: vec3f,
     sheen_roughness: f32,
     transmission: f32,
-    // The directional albedo of white sheen with the sheen's roughness, towards the viewer
-    // (sheen.rs).
+    // The directional albedo towards the viewer of white sheen with this roughness (sheen.rs).
     velvet_albedo: f32,
     // The covered share.
     alpha: f32,
@@ -67,9 +66,9 @@ fn shade_layers(
 
     // A pane is drawn or not. With the probability (1 - F) t b it is not drawn, and the objects
     // behind are seen tinted by base / b, where b is the largest component of the base colour.
-    // Otherwise the pane is seen, and the light that it reflects is divided by the probability of
-    // that, p = 1 - (1 - F) t b. So Schlick's term has to become F / p, and the diffuse albedo base
-    // (1 - t) (1 - F) / (p (1 - F / p)) = base (1 - t) / (1 - t b).
+    // Otherwise the pane is seen, and its reflected light is divided by the probability p = 1 - (1
+    // - F) t b. So Schlick's term has to become F / p, and the diffuse albedo base (1 - t) (1 - F)
+    // / (p (1 - F / p)) = base (1 - t) / (1 - t b).
     let transmission = samples.transmission * (1.0 - metallic);
     let fresnel = fresnel_schlick(f0, cos_view);
     let pane = 1.0 - passing(base, transmission, mean(fresnel));
@@ -85,8 +84,8 @@ fn shade_layers(
     let glass = base / max(largest(base), 1e-6);
     let tint = (1.0 - alpha + alpha * (1.0 - pane) * glass) / max(1.0 - coverage, 1e-6);
 
-    // The coat is brightened where its pane is drawn as well; light is lost only if that would
-    // exceed a full coat, on coated glass.
+    // The coat of a pane is divided by p, too. Light is lost only if it would exceed a full coat,
+    // on coated glass.
     return Layered(
         min(diffuse, vec3f(1.0)),
         select(f0, pane_f0, is_pane),

@@ -18,8 +18,8 @@ struct Material {
     emission: vec3f,
     // Multiplies x and y of the normal texture.
     normal_scale: f32,
-    // Reflectance at normal incidence of the non-metallic part; for layered materials, without its
-    // texture and `specular_factor`.
+    // Reflectance at normal incidence of the non-metallic part; in layered materials, before the
+    // specular texture and `specular_factor`.
     dielectric_f0: vec3f,
     // Perceptual: the width of the microfacet distribution is its square.
     roughness: f32,
@@ -46,10 +46,9 @@ struct Material {
     places: array<TexturePlace, TEXTURE_COUNT>,
 }
 
-// Do not branch on its members without other conditions; use select(). Mesa 22.3 (lavapipe) clones
-// a shader for the uniforms that decide its branches, at each draw that binds others, and never
-// frees the clones. (In a storage buffer, pixels beside a triangle's edge would read zeros there,
-// which spoils its derivatives.)
+// Do not branch only on its members; use select(). Mesa 22.3 (lavapipe) clones a shader for each
+// value of the uniforms that decide its branches, and never frees the clones. (A storage buffer
+// would read as zero in pixels beside a triangle's edge, which spoils derivatives.)
 @group(1) @binding(0) var<uniform> material: Material;
 @group(1) @binding(1) var base_color_texture: texture_2d<f32>;
 @group(1) @binding(2) var base_color_sampler: sampler;
@@ -73,7 +72,7 @@ struct Material {
 @group(1) @binding(17) var sheen_albedo: texture_2d<f32>;
 @group(1) @binding(18) var sheen_albedo_sampler: sampler;
 
-// The coordinates on a texture; the vertex's two sets are in xy and zw.
+// The coordinates on a texture; `texcoords` has the vertex's two sets, in xy and zw.
 fn texcoord_at(place: TexturePlace, texcoords: vec4f) -> vec2f {
     let own = vec3f(select(texcoords.xy, texcoords.zw, place.texcoord_set == 1u), 1.0);
     return vec2f(dot(place.u_row, own), dot(place.v_row, own));

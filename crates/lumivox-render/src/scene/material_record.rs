@@ -76,7 +76,7 @@ pub(crate) fn textures(material: &Material) -> [Option<TextureRef>; TEXTURE_COUN
         Shading::Phong(p) => (p.diffuse_texture, None, p.specular_texture),
         Shading::Unlit(u) => (u.color_texture, None, None),
     };
-    // An unlit surface has no layers that reflect light.
+    // Unlit surfaces have no reflecting layers.
     let is_lit = !matches!(material.shading, Shading::Unlit(_));
     [
         base,
@@ -188,7 +188,7 @@ pub(crate) fn record(
         }
     }
     if !is_layered(material, &record) {
-        // The plain shader does not clamp or scale it.
+        // The plain shader does not clamp or scale the reflectance.
         let f0 = Vec3::from(record.dielectric_f0).min(Vec3::ONE) * record.specular_factor;
         record.dielectric_f0 = f0.to_array();
     }
@@ -227,7 +227,7 @@ mod tests {
         let tinted = plain(&with(shading));
         let expected = Vec3::new(0.2, 0.5, 0.0);
         assert!((Vec3::from(tinted.dielectric_f0) - expected).abs().max_element() < 1e-6);
-        // With an index of 0 the colour is the reflectance, as specular-glossiness needs it.
+        // With an index of 0, as from specular-glossiness, the colour is the reflectance.
         let color = Vec3::new(0.9, 0.6, 0.2);
         let gloss = plain(&with(MetallicRoughness { ior: 0.0, specular_color: color, ..shading }));
         assert!((Vec3::from(gloss.dielectric_f0) - 0.5 * color).abs().max_element() < 1e-6);
@@ -253,8 +253,8 @@ mod tests {
         assert_eq!(record(&unlit, 32.0, 80.0, false).unlit_radiance, 2.5);
     }
 
-    /// Vertex alpha is cut at the cutoff, a texture's alpha at its thresholded edge. A constant
-    /// alpha is not cut: the surface is drawn everywhere or nowhere.
+    /// Vertex alpha is cut at the cutoff, a texture's alpha at its thresholded edge. If alpha is
+    /// constant, the surface is drawn everywhere or nowhere.
     #[test]
     fn mask_thresholds_apply_only_where_alpha_varies() {
         let threshold = |texture, has_vertex_alpha| {

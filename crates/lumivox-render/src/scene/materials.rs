@@ -17,11 +17,11 @@ use crate::Gpu;
 /// A material for the passes that rasterize.
 #[derive(Debug)]
 pub struct GpuMaterial {
-    /// Group 1 of those passes.
+    /// Bind group 1 of the passes that rasterize.
     pub group: BindGroup,
     /// Buffer of its parameters, a [`MaterialRecord`].
     uniform: Buffer,
-    /// The properties for which its textures were uploaded.
+    /// The uses for which its textures were uploaded.
     textures: TextureUse,
     /// Where the surface exists.
     pub(crate) presence: Presence,
@@ -33,7 +33,7 @@ pub struct GpuMaterial {
     pub(crate) is_tinted: bool,
 }
 
-/// The properties that determine a material's textures.
+/// The properties of a material that determine the uploaded textures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TextureUse {
     references: [Option<TextureRef>; TEXTURE_COUNT],
@@ -51,7 +51,7 @@ pub(crate) enum Presence {
     Whole,
     /// Where its alpha reaches the cutoff.
     Masked,
-    /// Everywhere with a coverage: it is blended or transmits light.
+    /// Everywhere, with a coverage: the surface is blended or transmits light.
     Partial,
     /// Nowhere: its alpha has no texture and is zero or below the cutoff.
     Absent,
@@ -60,13 +60,13 @@ pub(crate) enum Presence {
 /// The colours of the vertices on which a material is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct VertexColors {
-    /// Whether there are any.
+    /// Whether any vertex has a colour.
     pub(crate) has_colors: bool,
-    /// Whether some have an alpha below 1.
+    /// Whether any colour has an alpha below 1.
     pub(crate) has_alpha: bool,
 }
 
-/// Group 1 of the passes that rasterize: 9 of WebGPU's 16 textures and samplers.
+/// Layout of group 1 of the passes that rasterize: 9 of WebGPU's 16 textures and samplers.
 pub(crate) fn material_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
     let layout = LayoutBuilder::new(wgpu::ShaderStages::FRAGMENT).uniform();
     (0..=TEXTURE_COUNT)
@@ -217,9 +217,9 @@ impl GpuMaterial {
 /// Sets a material's parameters in the voxels, except its textures.
 ///
 /// Voxels only reflect diffusely. The gloss of a metal counts as diffuse, so its albedo is the base
-/// colour whatever the metalness; the gloss of a dielectric has separate parameters. For
+/// colour whatever the metalness; the gloss of a dielectric has separate parameters. On
 /// transmitting surfaces, the part that does not pass counts as reflected. Clear coat and sheen
-/// change little in that sum, and are ignored.
+/// hardly change that sum, and are ignored.
 fn set_factors(
     surface: &mut SurfaceMaterial,
     material: &Material,
@@ -248,12 +248,12 @@ fn gloss(material: &Material, record: &MaterialRecord, scene: &Scene) -> Gloss {
 /// The dielectric's reflectance at normal incidence, without its texture, 0 to 1; averaged over the
 /// colour channels.
 fn mean_f0(material: &Material, record: &MaterialRecord) -> f32 {
-    // The plain shader's value is already scaled.
+    // In plain records, F0 is already scaled.
     let factor = if is_layered(material, record) { record.specular_factor } else { 1.0 };
     (Vec3::from(record.dielectric_f0).min(Vec3::ONE) * factor).element_sum() / 3.0
 }
 
-/// Means of a texture's channels, 0 to 1, over enough texels; 1 without a texture.
+/// Means of a texture's channels, 0 to 1, from a sample of its texels; 1 without a texture.
 fn mean_texel(reference: Option<TextureRef>, scene: &Scene) -> [f32; 4] {
     const ENOUGH_TEXELS: usize = 1 << 16;
     let Some(reference) = reference else { return [1.0; 4] };
@@ -269,9 +269,9 @@ fn mean_texel(reference: Option<TextureRef>, scene: &Scene) -> [f32; 4] {
     sums.map(|sum| (sum as f64 / count.max(1) as f64) as f32)
 }
 
-/// The share of uniform light that enters and passes a material by transmission: without the part
-/// reflected at the surface (the hemisphere's mean of Schlick's term is F0 + (1 - F0) / 21), and
-/// only for the non-metallic part. A texture of metalness is averaged.
+/// The share of uniform light that a material transmits: without the part reflected at the surface
+/// (the hemisphere's mean of Schlick's term is F0 + (1 - F0) / 21) and without the metallic part. A
+/// texture of metalness is averaged.
 fn mean_transmission(material: &Material, record: &MaterialRecord, scene: &Scene) -> f32 {
     if record.transmission <= 0.0 {
         return 0.0;

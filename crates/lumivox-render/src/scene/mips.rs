@@ -16,7 +16,7 @@ use crate::picture::srgb::{srgb_decode, srgb_encode};
 pub(crate) enum Encoding {
     /// Colours, sRGB-encoded; alpha is linear.
     Color,
-    /// Numbers.
+    /// Linear numbers.
     Data,
 }
 
@@ -39,8 +39,8 @@ pub(crate) struct Level {
     pub(crate) rgba8: Vec<u8>,
 }
 
-/// The weight of fully transparent texels in a texture's colour: negligible if any texel is opaque
-/// (a sixteenth of an 8-bit step), decisive if all are transparent.
+/// The weight of fully transparent texels in the mean colour: negligible beside an opaque texel (a
+/// sixteenth of an 8-bit step), decisive if all are transparent.
 const TRANSPARENT_WEIGHT: f32 = 1.0 / 4096.0;
 
 /// The levels of an image, from its full size down to one texel.
@@ -101,7 +101,7 @@ fn taps(length: usize) -> Vec<Vec<(usize, f32)>> {
     let halved = (length / 2).max(1);
     (0..halved)
         .map(|i| {
-            // In units of 1 / halved of a texel, in which all borders are integers.
+            // In units of a texel / `halved`, in which all borders are integers.
             let (start, end) = (i * length, (i + 1) * length);
             (start / halved..end.div_ceil(halved))
                 .map(|texel| {

@@ -92,7 +92,7 @@ pub struct GpuScene {
     pub(crate) order: Vec<u32>,
     parts: Vec<InstanceParts>,
     boxes: InstanceBounds,
-    /// The transforms of the draws, `DrawRecord` of `package::render::scene::draws`.
+    /// Buffer of the draws' transforms, `DrawRecord` of `package::render::scene::draws`.
     pub draw_records: Buffer,
     /// The materials.
     pub materials: Vec<GpuMaterial>,
@@ -218,8 +218,8 @@ impl GpuScene {
         self.boxes.all(scene)
     }
 
-    /// Moves instances to their transforms in `scene`, which must otherwise equal the uploaded
-    /// scene. Returns `false` if it does not; then upload the scene again.
+    /// Moves instances to their transforms in `scene`. Returns `false` if the uploaded scene
+    /// differs otherwise; then upload `scene` again.
     pub(crate) fn move_instances(&mut self, gpu: &Gpu, scene: &Scene, moved: &[usize]) -> bool {
         let is_same = |&number: &usize| {
             let (instance, parts) = (scene.instances.get(number), self.parts.get(number));
@@ -265,7 +265,7 @@ impl GpuScene {
                 })
     }
 
-    /// The draw of a record.
+    /// The draw whose transform is in a record.
     pub(crate) fn draw_of(&self, record: u32) -> &SceneDraw {
         &self.draws[self.order[record as usize] as usize]
     }

@@ -14,9 +14,9 @@ pub(crate) struct Motion {
     transforms: BTreeMap<u32, Mat4>,
     /// The former positions of vertices, keyed by batch.
     positions: BTreeMap<usize, Buffer>,
-    /// The former positions used by the last frame, whose submission may be pending.
+    /// The former positions that the last frame used; its submission may be pending.
     drawn: BTreeMap<usize, Buffer>,
-    /// Whether motion is needed.
+    /// Whether the next frame needs motion.
     is_wanted: bool,
 }
 
@@ -73,8 +73,7 @@ impl Motion {
         }
     }
 
-    /// Call it after a frame is drawn: nothing has moved since. `is_wanted` says whether the next
-    /// frame needs motion.
+    /// Clears the moves after a frame is drawn; `is_wanted` if the next frame needs motion.
     pub(crate) fn settle(&mut self, is_wanted: bool) {
         self.is_wanted = is_wanted;
         self.drawn = std::mem::take(&mut self.positions);

@@ -1,7 +1,7 @@
 // Normals of surfaces: bent by textures, and turned towards the viewer.
 
-// The least cosine of a mirrored direction to the surface: cones at a grazing angle would hit their
-// own plane.
+// The least cosine between a mirrored direction and the surface's normal: cones at a grazing angle
+// would hit their own plane.
 const MIRROR_ABOVE: f32 = 0.02;
 
 // Bends a unit normal by the value of a normal texture (0 to 1 a channel).
@@ -15,7 +15,7 @@ fn bend(normal: vec3f, tangent_and_sign: vec4f, sampled: vec3f, scale: f32) -> v
 
 // Turns the normal towards the viewer's side, and so that its mirrored direction is above the
 // surface. A smooth or mapped normal may point away from the eye although the surface does not, or
-// mirror the inside of the surface: no light comes from there, and a coat or a metal would be black
+// mirror the eye into the surface: no light comes from there, and a coat or a metal would be black
 // at its rim, as jagged as its normal map. So the mirrored direction is lifted to the plane of the
 // surface, and the normal becomes the one that mirrors the eye there (Keller et al. 2017, "The Iray
 // light transport simulation and rendering system", section A.3).

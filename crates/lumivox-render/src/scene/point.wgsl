@@ -19,7 +19,7 @@ struct Point {
     color: vec4f,
 }
 
-// The values of its textures, multiplied by their factors, and the plane of its triangle.
+// The values of a point's textures, multiplied by their factors, and the plane of its triangle.
 struct PointSamples {
     base: vec4f,
     emission: vec3f,
@@ -29,7 +29,7 @@ struct PointSamples {
     plane: vec3f,
 }
 
-// Its orientation.
+// The orientation of a point.
 struct PointFrame {
     to_camera: vec3f,
     shading: vec3f,

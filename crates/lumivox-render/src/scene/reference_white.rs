@@ -12,7 +12,7 @@ use lumivox_scene::Scene;
 use super::Lighting;
 
 /// The least distance of a lamp, as a share of the scene's radius. The distance is measured from
-/// the scene's centre and clamped to this, since a wall of the room matters and not the lampshade.
+/// the scene's centre and clamped to this: a wall of the room matters, not the lampshade.
 const NEAREST: f32 = 0.25;
 
 /// The radiance of white, in cd/m²: the maximum of irradiance / pi by each light and of the mean

@@ -9,7 +9,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use rayon::prelude::*;
 
-/// Edge of the table, cosines by roughnesses; the function is smooth.
+/// Edge of the table of cosines by roughnesses; few entries are enough, as the function is smooth.
 pub(crate) const EDGE: u32 = 32;
 
 /// The table as bytes, 255 for one: cosines along rows, roughness from row to row, both at the

@@ -13,7 +13,7 @@ use super::geometry::{Batch, BatchLimits, Shading};
 use super::{GpuScene, SceneDraw, VertexBuffers};
 use crate::Gpu;
 
-/// The vertices and indices of a batch: some hundred KiB, small enough to upload within a frame.
+/// Limits of a batch: a few hundred KiB, small enough to upload within a frame.
 const PART: BatchLimits = BatchLimits { vertices: 8192, indices: 3 * 16_384 };
 
 /// The factor on the distance of a batch that is on the GPU, so that a trembling camera does not
@@ -60,9 +60,10 @@ struct Part {
     content: Batch,
     fingerprint: [u64; 2],
     is_resident: bool,
-    /// Its draws: their indices in the scene, and their index ranges while it is on the GPU.
+    /// Draws of the batch: their indices in the scene, and their index ranges while the batch is on
+    /// the GPU.
     draws: Vec<(usize, Range<u32>)>,
-    /// The index counts of its draws for voxels, in their order.
+    /// The index counts of the batch's voxelized draws, in order.
     voxelized: Vec<u32>,
 }
 
@@ -129,7 +130,7 @@ impl Streaming {
         Self { budget, parts, is_late: true }
     }
 
-    /// The parts, nearest first.
+    /// All batches, nearest first.
     fn by_distance(&self, draws: &[SceneDraw]) -> Vec<usize> {
         let camera = self.budget.camera;
         let distance = |part: &Part| {
@@ -148,7 +149,7 @@ impl Streaming {
         order
     }
 
-    /// The nearest parts that fit into the budget, nearest first.
+    /// The nearest batches that fit into the budget, nearest first.
     fn wanted(&self, draws: &[SceneDraw]) -> Vec<usize> {
         let mut left = self.budget.bytes;
         let fits = |part: &usize| {
@@ -237,7 +238,7 @@ impl GpuScene {
         self.geometry.batches[number] = batch;
     }
 
-    /// How much of the scene is on the GPU; `None` if there is no budget and all of it is.
+    /// How much of the scene is on the GPU; `None` if there is no budget, so all of it.
     pub(crate) fn streamed(&self) -> Option<StreamedGeometry> {
         self.streaming.as_ref().map(Streaming::figures)
     }

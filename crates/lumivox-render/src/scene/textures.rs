@@ -47,7 +47,7 @@ impl<'a> TextureUpload<'a> {
         }
     }
 
-    /// A texture with its mips; a white one for `None`.
+    /// A texture with its mips; `None` gives a white texel.
     pub(super) fn texture(
         &mut self,
         reference: Option<TextureRef>,
@@ -86,7 +86,7 @@ impl<'a> TextureUpload<'a> {
         view
     }
 
-    /// The sampler of a texture; an arbitrary sampler for `None`.
+    /// The sampler of a texture; `None` gives an arbitrary sampler.
     pub(super) fn sampler(&mut self, reference: Option<TextureRef>) -> wgpu::Sampler {
         let sampler =
             reference.map_or(Sampler::default(), |r| self.scene.textures[r.texture].sampler);

@@ -115,8 +115,8 @@ pub struct RenderSettings {
     pub octree_builder: Option<Arc<dyn OctreeBuilding>>,
     /// The most bytes of the volume. Default: `None`, the device's limit.
     pub volume_memory: Option<u64>,
-    /// The most bytes of vertices and indices on the GPU. Default: `None`, unlimited. Of larger
-    /// scenes, the part nearest to the camera is streamed in and out; the rest is neither drawn nor
+    /// The most bytes of vertices and indices on the GPU. Default: `None`, unlimited. In a larger
+    /// scene, the part nearest to the camera is streamed in and out; the rest is neither drawn nor
     /// voxelized ([`Renderer::streamed`](crate::Renderer::streamed)).
     pub geometry_budget: Option<u64>,
     /// The voxelization method. Default: `None`, exact.
@@ -132,8 +132,8 @@ pub struct RenderSettings {
     pub cone_model: Option<Arc<dyn ConeModel>>,
     /// Reflections of indirect light, including the one at the visible surface, 0 to 64: 0 is only
     /// direct light, 1 is light via one other surface. Default: 8, which leaves out a^8 of the
-    /// light in a room of albedo a: 0.4 % at one half, 2 % at 0.6. Each costs one gather in the
-    /// voxels, once.
+    /// light in a room of albedo a: 0.4 % at one half, 2 % at 0.6. Each costs one gather at the
+    /// voxels per relighting.
     pub bounces: u32,
     /// Frames that are averaged, 1 to 65 536. Default: 16. More: smoother edges and less noise, at
     /// proportional cost. A single frame has no anti-aliasing.
@@ -209,7 +209,7 @@ impl RenderSettings {
         Grid::fit(bounds.min, bounds.max, self.resolution, self.grid_offset)
     }
 
-    /// The sizes of voxels and of shadow-map texels, for notes if they are coarse for the visible
+    /// The sizes of voxels and of shadow-map texels, to warn if they are coarse for the visible
     /// scene.
     pub fn fineness(&self, scene: &Scene) -> Fineness {
         let grid = self.grid(scene.voxel_bounds(), Vec3::ZERO).ok();
@@ -348,7 +348,7 @@ impl RenderSettings {
 
 fn validate_lines(count: usize, limits: &wgpu::Limits) -> Result<(), RenderError> {
     let needed = count as u64 * size_of::<LineRecord>() as u64;
-    // The grid's box needs a few more lines.
+    // Leave memory for the lines of the grid's box.
     let available = limits.max_storage_buffer_binding_size - (1 << 12);
     if needed <= available {
         return Ok(());

@@ -120,10 +120,10 @@ pub struct Companions {
     pub cone_model: Option<Arc<dyn ConeModel>>,
     /// Reflections of indirect light.
     pub bounces: u32,
-    /// The exposure. A look has its own for each scene:
+    /// The exposure. A look chooses it for each scene:
     /// [`Look::display`](crate::look::Look::display).
     pub exposure: Exposure,
-    /// The curve that maps radiance to the screen's range; a look has its own, as for the exposure.
+    /// The curve that maps radiance to the screen's range. A look chooses it, too.
     pub tone_map: ToneMap,
 }
 
@@ -187,8 +187,8 @@ impl RenderSettings {
         }
     }
 
-    /// With a look: if exposure and curve are the look's values for the last scene, changes them to
-    /// its values for `scene`; other values are kept.
+    /// If exposure and curve are the look's values for the last scene, changes them to its values
+    /// for `scene`. Keeps other values.
     pub fn show_other(&mut self, last: Option<&Scene>, scene: &Scene) {
         let Some(look) = &self.look else { return };
         let shown = (self.exposure, self.tone_map);
@@ -203,7 +203,7 @@ impl RenderSettings {
 mod tests {
     use super::*;
 
-    /// A preset sets its own values whatever the settings were, and the default preset gives the
+    /// A preset's result does not depend on earlier settings; the default preset gives the
     /// defaults.
     #[test]
     fn presets_do_not_depend_on_earlier_settings() {

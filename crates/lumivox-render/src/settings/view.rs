@@ -20,10 +20,10 @@ pub enum View {
     Diffuse,
     /// Indirect light that the surface reflects glossily.
     Specular,
-    /// Ambient visibility: 1 where the surface sees only sky, 0 where it sees none.
+    /// Ambient visibility: 1 where only sky is visible from the surface, 0 where none is.
     Occlusion,
     /// The unblocked share of the lamps' and the sun's light, weighted by luminance; a surface that
-    /// faces away from a light blocks it itself. 1 without lights.
+    /// faces away from a light blocks it. 1 without lights.
     Shadow,
     /// Diffuse albedo. Metals have none: they are black.
     Albedo,
@@ -54,9 +54,8 @@ pub enum View {
     Nodes,
     /// The bricks of these nodes, their 3x3x3 texels pulled apart; the neighbours' layer is orange.
     Bricks,
-    /// The volume's content of one level at the visible surfaces, filtered as cones sample it,
-    /// looking against the surface's normal: radiance, whatever the opacity; black where the volume
-    /// is empty.
+    /// The volume's radiance of one level at the visible surfaces, filtered as by cones that look
+    /// against the surface's normal; not weighted by opacity; black where the volume is empty.
     Lod,
     /// The voxels of one level as wire cubes in the colours of their light, visible through each
     /// other; faces between two voxels are left out.
@@ -130,27 +129,27 @@ impl View {
         is_of_surfaces || matches!(self, Voxels | Bricks | Lod | WireVoxels)
     }
 
-    /// Whether voxels are shown instead of surfaces.
+    /// Whether the view shows voxels instead of surfaces.
     pub fn is_of_voxels(self) -> bool {
         matches!(self, Self::Voxels | Self::Lit | Self::Nodes | Self::Bricks | Self::WireVoxels)
     }
 
-    /// Whether it needs an octree.
+    /// Whether the view needs an octree.
     pub fn needs_octree(self) -> bool {
         matches!(self, Self::Nodes | Self::Bricks)
     }
 
-    /// Whether it shows what is known from earlier frames, and needs their stored light.
+    /// Whether the view shows the known light, and so needs light of earlier frames.
     pub fn needs_past(self) -> bool {
         matches!(self, Self::History | Self::Disocclusion)
     }
 
-    /// Whether the analytic lights are needed.
+    /// Whether the view needs the analytic lights.
     pub(crate) fn needs_direct(self) -> bool {
         matches!(self, Self::Final | Self::Direct | Self::Shadow)
     }
 
-    /// Whether cones are needed, given the number of bounces.
+    /// Whether the view needs cones, given the number of bounces.
     pub(crate) fn needs_cones(self, bounces: u32) -> bool {
         let light = matches!(self, Self::Final | Self::Indirect | Self::Diffuse | Self::Specular);
         let is_of_cones = matches!(self, Self::Occlusion | Self::Cost) || self.needs_past();

@@ -41,7 +41,7 @@ pub struct Parameter {
     pub kind: Kind,
     /// Words that set particular values.
     pub shorthands: &'static [(&'static str, Value)],
-    /// Another setting and the value it needs, or this one has no effect. Setting this one also
+    /// Another setting, and its value without which this one has no effect. Setting this one also
     /// sets the other.
     pub needs: Option<(&'static str, &'static str)>,
     /// The work that a change redoes.
@@ -161,12 +161,12 @@ impl Parameter {
         [self.name].into_iter().chain(self.aliases.iter().copied())
     }
 
-    /// The value in some settings.
+    /// The setting's value in `settings`.
     pub fn get(&self, settings: &RenderSettings) -> Value {
         (self.get)(settings)
     }
 
-    /// The value in a preset.
+    /// The setting's value in a preset.
     pub fn default(&self, preset: PresetChoice) -> Value {
         self.get(&RenderSettings::default().with_preset(preset, None))
     }
@@ -188,7 +188,7 @@ impl Parameter {
         (self.set)(settings, value);
     }
 
-    /// Parses a value: a number, a choice's name, `on` or `off`, or the word for no number.
+    /// Parses a value: a number, a choice's name, `on` or `off`, or the word for an absent number.
     ///
     /// # Errors
     /// [`SettingError`], which lists the allowed values.
@@ -197,8 +197,7 @@ impl Parameter {
         if self.kind.allows(value) { Ok(value) } else { Err(self.error(text)) }
     }
 
-    /// Whether the setting has an effect in these settings: an option of the octree only has one
-    /// with an octree.
+    /// Whether the setting has an effect in `settings`: options of the octree need an octree.
     pub fn means_something(&self, settings: &RenderSettings) -> bool {
         self.needs.is_none_or(|(name, value)| match name {
             "look" => settings.look_name() == value,

@@ -16,7 +16,7 @@ pub(super) const PICTURE: &[Row] = &[
         unit: "frames",
         summary: "Frames to average",
         help: "More: less noise, at proportional cost. Unless it is given, `lumivox render` stops earlier once the noise is below 4 %.",
-        // At this number the running mean in f32 still changes, by a 65 536th of the difference.
+        // With this many frames, a new one still changes the mean in f32, by a 65 536th.
         kind: Kind::whole(1, 65_536),
         redoes: Redoes::Frames,
         get: |s| Value::Whole(s.frames),
@@ -312,7 +312,7 @@ pub const MAX_STOPS: f32 = 64.0;
 
 const MIB: f32 = 1_048_576.0;
 
-/// The base of the cascades' options; setting them selects cascades.
+/// The base row of the cascades' options; setting one selects cascades.
 const OF_CASCADES: Row =
     Row { needs: Some(("volume", "cascades")), redoes: Redoes::Voxels, ..Row::ROW };
 
