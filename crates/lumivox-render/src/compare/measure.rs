@@ -13,7 +13,7 @@ use crate::{Gpu, RenderError, RenderProgress, RenderSettings, Renderer, View};
 /// The number of frames over which cone samples are counted.
 const COST_FRAMES: u32 = 4;
 
-/// The layers of a rendering that a reference has as well.
+/// The layers of a rendering, for comparison with a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderedLayers {
     /// Irradiance in lux on the visible surface after one gather.
@@ -86,7 +86,7 @@ pub async fn render_layers(
     Ok(RenderedLayers { one_bounce, full, picture, first_frame, cost })
 }
 
-/// Converts the view, which shows irradiance / pi.
+/// Converts the diffuse view, irradiance / pi.
 fn irradiance(diffuse: &LinearPicture) -> LinearPicture {
     let rgb = diffuse.rgb.iter().map(|rgb| (Vec3::from(*rgb) * std::f32::consts::PI).to_array());
     LinearPicture { size: diffuse.size, rgb: rgb.collect() }

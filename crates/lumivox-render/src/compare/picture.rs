@@ -45,7 +45,7 @@ impl LinearPicture {
         self.rgb.iter().map(move |&rgb| ToneMap::Neutral.encode(Vec3::from(rgb) * scale).to_array())
     }
 
-    /// The luminances (ITU-R BT.709-6, section 3.2).
+    /// The luminance of each pixel (ITU-R BT.709-6, section 3.2).
     pub(super) fn luminances(&self) -> impl Iterator<Item = f64> {
         self.rgb.iter().map(|&rgb| luminance(rgb))
     }
@@ -71,7 +71,7 @@ impl LinearPicture {
     pub(super) fn check_reference(&self) -> Result<(), CompareError> {
         self.check("the reference")?;
         let mean = self.mean();
-        // With negative channels, one of the two can be above 0 and the other not.
+        // If channels are negative, only one of the two may be above 0.
         if mean > 0.0 && self.mean_luminance() > 0.0 {
             return Ok(());
         }

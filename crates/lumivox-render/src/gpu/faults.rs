@@ -6,7 +6,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 thread_local! {
-    /// Dropped when its thread ends.
+    /// Dropped when its thread ends, which invalidates weak references.
     static SIGN_OF_LIFE: Arc<()> = Arc::default();
 }
 
@@ -41,8 +41,8 @@ impl Faults {
     }
 
     /// Takes this thread's error. If there is none, takes an error of a thread that has ended or
-    /// has never asked, such as one that compiles pipelines, so that no error is ignored. A lost
-    /// device is reported each time.
+    /// never polls, such as one that compiles pipelines, so that no error is ignored. A lost device
+    /// is reported each time.
     pub(crate) fn take(&self) -> Option<String> {
         let mut kept = self.lock();
         let own = kept.this_thread();

@@ -50,7 +50,8 @@ pub struct GpuOptions {
     pub pipeline_cache: Option<std::path::PathBuf>,
 }
 
-/// Identifies an open device. Handles of wgpu cannot: those of different instances compare equal.
+/// Identifies an open device. Handles of wgpu do not: those of different instances can compare
+/// equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GpuId(u64);
 
@@ -79,8 +80,7 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// The adapters of this machine, best first: a discrete GPU, an integrated one, a virtual one,
-    /// a software driver.
+    /// The adapters of this machine, best first: discrete, integrated, virtual, software.
     pub async fn adapters() -> Vec<wgpu::AdapterInfo> {
         adapters(&instance()).await.iter().map(wgpu::Adapter::get_info).collect()
     }

@@ -24,7 +24,7 @@ pub fn pipeline_cache_folder() -> Option<PathBuf> {
 #[derive(Debug)]
 pub(super) struct PipelineFile {
     path: PathBuf,
-    /// The adapter, driver and Lumivox version that the content is valid for.
+    /// The adapter, driver and Lumivox version for which the content is valid.
     identity: String,
     pub(super) cache: wgpu::PipelineCache,
     /// The checksum of the file's content.

@@ -17,7 +17,7 @@ impl<'a> ScreenTextures<'a> {
         Self { device, size, bytes: 0 }
     }
 
-    /// Creates a texture that passes write as `usage` says, and that later passes read.
+    /// Creates a texture that passes write according to `usage`, and later passes read.
     pub(crate) fn create(
         &mut self,
         label: &str,

@@ -14,20 +14,19 @@ fn sights() -> impl Iterator<Item = Vec3> {
     all.filter(is_sight).map(move |way| turn * way.as_vec3().normalize())
 }
 
-/// For each place, m: whether it is inside a solid or behind a single-sided wall. That is the case
-/// if most rays from it hit the back of a single-sided surface first. Double-sided surfaces have no
-/// back.
+/// Whether each place, m, is inside a solid or behind a single-sided wall: most of its rays first
+/// hit the back of a single-sided surface. Double-sided surfaces have no back.
 pub fn buried(scene: &Scene, places: &[Vec3]) -> Vec<bool> {
     let picker = Picker::new(scene);
     let bounds = scene.bounds();
     let reach = bounds.min.distance(bounds.max);
     let sights: Vec<Vec3> = sights().collect();
     let is_buried = |&place: &Vec3| {
-        // Nothing is beyond this distance.
+        // The whole scene is within this distance.
         let far = reach + place.distance(bounds.min);
         let meets_back = |&&sight: &&Vec3| {
             let front = picker.pick(place, sight).map_or(far, |pick| pick.distance_m);
-            // Seen from the opposite direction, the back of a surface is its front.
+            // Picking ignores backs; seen from the opposite direction they are fronts.
             let end = front * (1.0 - 1e-4);
             picker
                 .pick(place + sight * end, -sight)

@@ -20,7 +20,7 @@ use lumivox::{Gi, GiView};
 use crate::gpu::textures::ScreenTextures;
 use crate::passes::composite::PICTURE_FORMAT;
 
-/// The most frames that a moving picture's mean counts as: each lookup between texels blurs it a
+/// The most past frames that a moving picture's mean counts: each lookup between texels blurs it a
 /// little.
 const MOVING_FRAMES: u32 = 8;
 
@@ -56,7 +56,7 @@ struct Follow {
     kernel: Kernel,
     /// Bound in place of the groups that the kernel does not use.
     nothing: BindGroup,
-    /// The number of frames that the mean counts as, in addition to those of the current picture.
+    /// The number of past frames in the mean, in addition to those of the current picture.
     past: u32,
 }
 
@@ -128,8 +128,8 @@ impl AccumulatePass {
         self.frames = frames;
     }
 
-    /// Adds the first of `samples` samples of a frame; once per submission. For blended frames,
-    /// `of` is their G-buffer and whether their light is still changing.
+    /// Adds the first of a frame's `samples` samples; once per submission. For blended frames, `of`
+    /// is the G-buffer, and `true` if light is still changing.
     pub(crate) fn record(
         &mut self,
         recorder: &mut Recorder,
@@ -188,8 +188,8 @@ impl AccumulatePass {
     }
 }
 
-/// The share of a sample in the mean so far, such that all samples of the frame have the same
-/// weight, `share` in total.
+/// The share of a sample in the new mean. All samples of a frame end up with the same weight,
+/// `share` in total.
 pub(crate) fn weight_of_sample(share: f32, sample: u32, samples: u32) -> f32 {
     let each = share / samples as f32;
     each / (1.0 - each * (samples - 1 - sample) as f32)

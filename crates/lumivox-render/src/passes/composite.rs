@@ -51,7 +51,7 @@ pub struct CompositeTargets {
     /// Radiance or a quantity in rgb; in a 1 where there is a surface, 0 elsewhere.
     pub picture: TextureView,
     /// The mean over frames of the surface's illuminance, in lux divided by the unit of radiance;
-    /// negative if there is no surface.
+    /// negative without a surface.
     pub illuminance: Texture,
     settings: Buffer,
     group: BindGroup,
@@ -104,7 +104,7 @@ impl CompositePass {
         Ok(Self { kernel, layout, no_records: no_records.view() })
     }
 
-    /// Placeholder for records that do not exist.
+    /// Placeholder to bind if there are no records.
     pub(crate) fn no_records(&self) -> &TextureView {
         &self.no_records
     }
@@ -139,7 +139,8 @@ impl CompositePass {
         CompositeTargets { picture, illuminance, settings, group }
     }
 
-    /// Composes the picture. It takes effect at the next submission: one sample per recorder.
+    /// Composes the picture. Settings take effect at the next submission, so record one sample per
+    /// recorder.
     pub fn record(
         &self,
         recorder: &mut Recorder,

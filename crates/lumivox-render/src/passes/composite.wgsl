@@ -24,7 +24,7 @@ struct CompositeSettings {
     has_cones: u32,
     // The sample's share in the mean of illuminances; 1 discards the old mean.
     weight: f32,
-    // Whether the G-buffer shows another sample of the pixels than the traced one.
+    // 1 if the G-buffer shows a further sample of the pixels, not the traced one.
     is_further: u32,
     // Offset from that sample's position in the pixel to the traced sample's, in pixels.
     to_traced: vec2f,
@@ -45,7 +45,7 @@ struct CompositeSettings {
 // The records of the surfaces; one zero texel if there are none.
 @group(1) @binding(6) var records: texture_2d<u32>;
 @group(1) @binding(7) var picture: texture_storage_2d<rgba32float, write>;
-// The mean over frames of the illuminance at the surface; negative where there is none.
+// The mean over frames of the illuminance at the surface; negative without a surface.
 @group(1) @binding(8) var illuminance: texture_storage_2d<r32float, read_write>;
 
 // The depth of the traced sample, and its octahedral shading normal in two 16-bit halves; stored
@@ -53,8 +53,8 @@ struct CompositeSettings {
 @group(1) @binding(9) var traced_depth: texture_storage_2d<r32float, read_write>;
 @group(1) @binding(10) var traced_normal: texture_storage_2d<r32uint, read_write>;
 
-// If the weights of traced samples add up to less, none of them matches: each has at least a ten
-// thousandth of its proximity as weight, and the proximities of 3 x 3 samples add up to one.
+// If the weights of 3 x 3 traced samples add up to less, none of them matches: without a match, a
+// weight is a ten thousandth of the proximity, and proximities add up to one.
 const LEAST_MATCH: f32 = 2e-4;
 
 // Irradiance in rgb, openness in a.
@@ -80,7 +80,7 @@ fn take_traced_around(pixel: vec2u, surface: Surface) {
             let offset = position_at(seen + 0.5, depth) - surface.position_in_world;
             let normal = octahedral_decode(unpack2x16snorm(textureLoad(traced_normal, place).r));
             let near = max(1.0 - abs(seen - vec2f(pixel)), vec2f(0.0));
-            // The floors make a sample that matches nothing use the plain mean.
+            // The floors give the plain mean if nothing matches.
             let weight = (near.x * near.y + 1e-3) * (fit(offset, normal, surface) + 1e-4);
             traced_irradiance += weight * textureLoad(irradiance, place, 0);
             traced_specular += weight * textureLoad(specular, place, 0);

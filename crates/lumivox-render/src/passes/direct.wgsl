@@ -50,8 +50,9 @@ fn normal_difference(pixel: vec2u, step: vec2i, normal: vec3f) -> f32 {
     return select(NO_NEIGHBOUR, dot(difference, difference), other.depth > 0.0);
 }
 
-// Added to alpha^2. On each axis the more similar neighbour counts: the other one may be another
-// surface. Later frames of a mean add less, since samples of earlier ones lie between.
+// The variance added to alpha^2. On each axis the more similar neighbour counts: the other may be
+// on another surface. Later frames of a mean add less, since earlier frames have samples in
+// between.
 fn added_variance(pixel: vec2u, normal: vec3f) -> f32 {
     var sum = 0.0;
     for (var axis = 0; axis < 2; axis++) {
@@ -86,9 +87,9 @@ fn near_visibility(next: ptr<function, u32>, index: u32, position_in_world: vec3
     return found;
 }
 
-// Added to alpha^2 for the disc of a light: twice the variance of the half vector on an axis. The
-// half vector turns by half the angle, and the variance of a disc on an axis is a quarter of its
-// radius squared.
+// The variance added to alpha^2 for the disc of a light: twice the variance of the half vector on
+// an axis. The half vector turns by half the angle, and the variance of a disc on an axis is a
+// quarter of its radius squared.
 fn disc_variance(light: Light, distance_m: f32) -> f32 {
     let radius = select(light.radius / distance_m, light.radius, is_parallel(light));
     return radius * radius / 8.0;

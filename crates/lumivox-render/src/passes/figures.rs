@@ -7,7 +7,7 @@ use lumivox::gpu::{
     ShaderLibrary, TextureView, storage_buffer,
 };
 
-/// Pixels from one that is counted to the next.
+/// Distance between counted pixels, px.
 pub(super) const FIGURE_SPACING: u32 = 8;
 
 /// Sums up the figures of a frame.
@@ -44,7 +44,7 @@ impl FiguresPass {
         Ok(Self { kernel, layout, sums: storage_buffer(device, "figures", 16) })
     }
 
-    /// Sums over what was traced last; `no_records` is bound if there are no records. The buffer
+    /// Sums over the pixels traced last; `no_records` is bound if there are no records. The buffer
     /// contains the sums after submission.
     pub(crate) fn record(
         &self,

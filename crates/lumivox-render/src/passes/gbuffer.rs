@@ -214,8 +214,8 @@ impl GBufferPass {
         Ok(())
     }
 
-    /// Renders sample `sample` of each pixel of a scene. It takes effect at the next submission:
-    /// one sample per recorder.
+    /// Renders sample `sample` of each pixel of a scene. Settings take effect at the next
+    /// submission, so record one sample per recorder.
     pub fn record(
         &self,
         recorder: &mut Recorder,
@@ -366,8 +366,8 @@ pub fn clip_from_world(camera: &Camera, size: UVec2) -> Mat4 {
     projection * camera.camera_from_world()
 }
 
-/// The offset of sample `sample` from the pixel's centre, in pixels. Samples come in opposite
-/// pairs, whose mean is the centre; one of each pair is from an even sequence (Roberts 2018, "The
+/// The offset of sample `sample` from the pixel's centre, in pixels. Samples form opposite pairs,
+/// whose mean is the centre; the first of each pair is from an even sequence (Roberts 2018, "The
 /// unreasonable effectiveness of quasirandom sequences"). The mean is a box filter of one pixel.
 pub fn jitter(sample: u32) -> Vec2 {
     // The powers of 1 / x with x^3 = x + 1, to 32 bits. The start has the best edges of the first

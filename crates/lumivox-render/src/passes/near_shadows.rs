@@ -29,7 +29,7 @@ const STEP: f32 = 4.0;
 /// The edge of the cells that a square snaps to, as a share of half the square's edge.
 const CELL: f32 = 0.25;
 
-/// The texels of the maps of a scene at a resolution.
+/// The fineness of a scene's maps at a resolution.
 pub(crate) fn fineness(resolution: u32) -> ShadowMapFineness {
     ShadowMapFineness { resolution, squares: SQUARES, step: STEP, reach_m: None }
 }
@@ -58,12 +58,12 @@ pub(crate) struct NearShadows {
 }
 
 impl NearShadows {
-    /// Allocates the squares of parallel lights that have shadow maps. Nothing is drawn yet.
+    /// Allocates the squares of parallel lights that have shadow maps, without drawing them.
     pub(crate) fn new(gpu: &Gpu, lights: &Lights) -> Self {
         let suns =
             lights.mapped.iter().filter_map(|l| Some((l.index, l.source.parallel_direction()?)));
         let suns: Vec<_> = suns.take(MOST_SUNS).collect();
-        // If memory is short, the maps are coarser.
+        // Within the memory limit, more lights have coarser maps.
         let mut resolution = lights.map_size[0].max(1);
         let bytes = |edge: u32| 4 * u64::from(edge).pow(2) * u64::from(SQUARES) * suns.len() as u64;
         while bytes(resolution) > MAX_NEAR_BYTES {
@@ -142,7 +142,7 @@ impl NearLayerRecord {
 }
 
 /// The squares around a camera, the smallest first. Squares whose half edge is less than `away_m`,
-/// the camera's distance from the scene, are left out: nothing visible is that near.
+/// the camera's distance from the scene, are left out: no surface is that near.
 fn squares(
     sight: &ParallelSight,
     camera: Vec3,
@@ -152,7 +152,7 @@ fn squares(
     let middle = sight.view.transform_point3(camera).truncate();
     (1..=SQUARES as i32).rev().filter_map(move |level| {
         let half_m = sight.half_m / STEP.powi(level);
-        // Enlarged by the camera's possible offset from the centre of its cell.
+        // Enlarged, as the camera may be off the centre of its cell.
         let square = |middle| sight.layer(middle, half_m * (1.0 + 0.5 * CELL), resolution);
         let texel_m = square(middle).texel_size;
         let cell_m = texel_m * (CELL * half_m / texel_m).floor().max(1.0);
@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn small_camera_steps_do_not_move_near_shadow_layers() {
         let camera = Vec3::new(20.1, 1.5, -31.2);
-        // A quarter of a metre; cells measure two fifths.
+        // The camera moves a quarter of a metre; cells have edges of two fifths.
         let steps = (0..64).map(|step| at(camera + Vec3::X * 0.004 * step as f32, 0.0)[0]);
         let mut squares: Vec<ShadowLayer> = steps.collect();
         squares.dedup();

@@ -1,4 +1,4 @@
-//! The layers of shadow maps: which light has which projections, and how many fit.
+//! Assigns layers of shadow maps, with their projections, to lights, as far as they fit.
 //!
 //! A directional light has one layer, a parallel projection fitted to the scene's bounds, and finer
 //! layers within it around every second cascade of the voxels. A spot light has one, a perspective
@@ -20,9 +20,9 @@ pub(crate) const MAX_BYTES: u64 = 256 << 20;
 const MAX_LAYERS: u32 = 64;
 /// The edge in texels below which a map's resolution is not reduced to make space for finer maps.
 const ENOUGH: u32 = 1024;
-/// One in this many cascades has a layer.
+/// Every cascade whose number is a multiple of this has a layer.
 const EACH_CASCADE: usize = 2;
-/// The edge of such a layer divided by that of the next smaller one.
+/// The edge of a cascade's layer divided by that of the next smaller one.
 pub(crate) const STEP: f32 = (1 << EACH_CASCADE) as f32;
 /// The margin of layers on each side, in texels: the filter reaches 1.5 texels around a receiver
 /// that was offset by 2, and both must stay within the layer that contains the receiver.
@@ -70,8 +70,8 @@ fn most_layers(resolution: u32) -> usize {
 }
 
 /// The resolution if there are finer maps around cascades: the requested one, halved while the
-/// layers do not all fit and the maps have more than [`ENOUGH`] texels. For small objects a finer
-/// map is better than a larger one.
+/// layers do not all fit and the maps have more than [`ENOUGH`] texels. Small objects need finer
+/// maps, not a larger one.
 fn resolution_with_finer(
     lights: &[LightSource],
     bounds: Bounds,
@@ -87,7 +87,7 @@ fn resolution_with_finer(
     resolution
 }
 
-/// Assigns layers to the lights in order, as far as they fit: first those that each light needs,
+/// Assigns layers to the lights in order, as far as they fit: first the needed ones of each light,
 /// then finer ones, the smallest first.
 fn assign_layers(
     lights: &mut [Light],
@@ -112,7 +112,7 @@ fn assign_layers(
         light.shadow = Shadow::Map { first_layer: layers.len() as u32 };
         layers.extend(own);
         let finer = finer_layers(&light.source, bounds, fine_boxes, resolution);
-        // The suns left share the remaining layers.
+        // The remaining suns share the remaining layers.
         let fits = finer.len().min(room / suns_left.max(1));
         suns_left -= usize::from(light.source.parallel_direction().is_some());
         room -= fits;
@@ -207,7 +207,7 @@ impl ParallelSight {
         Self { view, seen, half_m: 0.5 * extent_m, depth_margin_m: bounds.radius_m() * 1e-3 }
     }
 
-    /// The boxes small enough for a square of their own: at most half as wide as the scene's.
+    /// The boxes small enough for a separate square: at most half as wide as the scene's.
     pub(crate) fn smaller(self, boxes: &[Bounds]) -> impl Iterator<Item = &Bounds> {
         boxes.iter().filter(move |own| 2.0 * own.radius_m() <= self.half_m)
     }

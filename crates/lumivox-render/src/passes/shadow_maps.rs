@@ -1,10 +1,10 @@
 //! Shadow maps: the scene's depth seen from each light, in the layers of one depth array.
 //!
-//! `shadow_layers.rs` decides which layers there are; on screen there are more around the camera
-//! ([`NearShadows`](super::near_shadows::NearShadows)). Both sides of every triangle cast
-//! shadows; instead of culling one, the receiver is offset from its surface
-//! (`light/shadow_map.wgsl`). A surface that transmits a share of the light leaves that share of
-//! the texels free, in a pattern that the filter evens out.
+//! `shadow_layers.rs` assigns the layers; pixels also use maps around the camera
+//! ([`NearShadows`](super::near_shadows::NearShadows)). Both sides of every triangle cast shadows;
+//! instead of culling one, the receiver is offset from its surface (`light/shadow_map.wgsl`). A
+//! surface that transmits a share of the light leaves that share of the texels free, in a pattern
+//! that the filter evens out.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -249,15 +249,14 @@ fn runs_in_sight(scene: &GpuScene, clip_from_world: Mat4) -> Vec<Range<u32>> {
 }
 
 /// The sides of a projection, as planes whose distance is negative outside: left, right, bottom,
-/// top, near.
-/// There is no far plane.
+/// top, near (there is no far plane).
 fn sides(clip_from_world: Mat4) -> [Vec4; 5] {
     let [x, y, z, w] = [0, 1, 2, 3].map(|row| clip_from_world.row(row));
     [w - x, w + x, w - y, w + y, w - z]
 }
 
-/// Whether any part of a box may be inside the planes: it is not entirely outside one of them.
-/// Rounding errors count as inside.
+/// Whether any part of a box may be inside the planes: no plane has all of it outside. Rounding
+/// errors count as inside.
 fn may_be_seen(sides: &[Vec4; 5], bounds: Bounds) -> bool {
     let (center, half) = (bounds.center(), 0.5 * bounds.size());
     sides.iter().all(|side| {
@@ -265,7 +264,7 @@ fn may_be_seen(sides: &[Vec4; 5], bounds: Bounds) -> bool {
         let reach = normal.abs().dot(half);
         let size = normal.abs().dot(center.abs()) + side.w.abs() + reach;
         let most = normal.dot(center) + side.w + reach;
-        // A box that overflows may be anywhere.
+        // A box whose size overflows may be anywhere.
         most.is_nan() || most >= -1e-5 * size
     })
 }

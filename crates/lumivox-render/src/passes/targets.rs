@@ -52,7 +52,7 @@ pub(crate) fn trace_bytes(trace: &TraceSettings, size: UVec2) -> u64 {
 pub(crate) const TINT_BYTES_PER_PIXEL: u64 = 4;
 
 impl Targets {
-    /// Creates everything; `is_tinted` is `true` if the scene has coloured glass.
+    /// Creates all targets; `is_tinted` is `true` if the scene has coloured glass.
     ///
     /// # Errors
     /// [`RenderError::OutOfMemory`] when the device has too little memory; also when a shader does

@@ -1,4 +1,4 @@
-//! Tone mapping of radiance from other sources, as for rendered pictures.
+//! Tone maps radiance from other sources like rendered pictures.
 
 use glam::UVec2;
 use lumivox::gpu::Recorder;

@@ -10,7 +10,7 @@ use super::film::{Film, Sums};
 const MARK: &[u8; 8] = b"LUMIREF3";
 const HEADER_BYTES: usize = 8 + 8 + 4 * 4;
 
-/// Why tracing cannot continue from a checkpoint.
+/// The reason why tracing cannot continue from a checkpoint.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
@@ -23,7 +23,7 @@ pub enum CheckpointError {
         found.x, found.y, wanted.x, wanted.y
     )]
     Size {
-        /// Its size in pixels.
+        /// The checkpoint's size in pixels.
         found: UVec2,
         /// The size of the current picture.
         wanted: UVec2,

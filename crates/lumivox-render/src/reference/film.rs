@@ -91,7 +91,7 @@ impl Film {
         self.batches = self.batches.saturating_add(other.batches);
     }
 
-    /// The mean of a colour, times a factor.
+    /// The mean of a colour over samples, times a factor.
     pub(super) fn mean(&self, factor: f64, of: impl Fn(&Sums) -> [i128; 3]) -> Vec<[f32; 3]> {
         let scale = factor / f64::from(self.samples.max(1));
         self.sums.iter().map(|sums| of(sums).map(|sum| (number(sum) * scale) as f32)).collect()

@@ -12,21 +12,20 @@ use obvhs::bvh2::leaf_collapser::collapse;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::PlocBuilder;
 
-/// In the link of a box: it is a leaf.
+/// Flag in the link of a box: the box is a leaf.
 pub(super) const LEAF: u32 = 1 << 31;
-/// In the first vertex of a triangle: it has two sides.
+/// Flag in a triangle's first vertex: the triangle is double-sided.
 pub(super) const DOUBLE_SIDED: u32 = 1 << 31;
-/// In the first vertex of a triangle: alpha or glass, through which light may pass.
+/// Flag in a triangle's first vertex: alpha or glass, through which light may pass.
 pub(super) const SEE_THROUGH: u32 = 1 << 30;
-/// The index of the triangle that a ray hits if it hits none.
+/// The triangle index of a ray that hits none.
 pub(super) const NO_TRIANGLE: u32 = u32::MAX;
-/// The sides of surfaces that rays hit. For the camera: fronts, and backs only of double-sided
-/// surfaces.
+/// Rays hit the sides that the camera sees: fronts, and the backs of double-sided surfaces.
 pub(super) const AS_SEEN: u32 = 0;
-/// Both sides of everything.
+/// Rays hit both sides of all surfaces.
 pub(super) const BOTH_SIDES: u32 = 1;
-/// As [`AS_SEEN`], and the backs of opaque surfaces, which block: a wall is also a wall from
-/// behind. The rays of cones do the same.
+/// Rays hit as with [`AS_SEEN`], and also the backs of opaque surfaces: a wall blocks light from
+/// behind, too. The rays of cones do the same.
 pub(super) const BLOCKING: u32 = 2;
 /// The most triangles of a leaf: a leaf's link stores their number in three bits.
 const MOST_PER_LEAF: u32 = 4;
@@ -101,7 +100,7 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
-    /// Collects all visible triangles of a valid scene whose material exists anywhere.
+    /// Collects all visible triangles of a valid scene, except those of absent materials.
     pub(super) fn new(scene: &Scene, sides: &[Sides]) -> Self {
         let bounds = scene.bounds();
         let origin = bounds.center().as_dvec3();
@@ -121,7 +120,7 @@ impl Triangles {
                     *vertex = VertexRecord { tangent: [0.0; 4], texcoords: [0.0; 4], ..*vertex };
                 }
             }
-            // Copies of a mesh share most of their vertex records, which contain no positions.
+            // Vertex records contain no positions, so copies of a mesh share most of them.
             let numbers: Vec<u32> = own
                 .into_iter()
                 .map(|vertex| {
@@ -246,7 +245,7 @@ fn build(triangles: &[TriangleRecord]) -> Bvh2 {
 
 fn vertices_of(mesh: &Mesh, world_from_local: DMat4, material: u32) -> Vec<VertexRecord> {
     let linear = glam::DMat3::from_mat4(world_from_local);
-    // With the determinant's sign: mirroring must not turn normals inwards.
+    // Multiplied by the determinant's sign: mirroring must not turn normals inwards.
     let normal_from_local = linear.inverse().transpose();
     let vertex = |index: usize| {
         let normal = mesh.normals.get(index).copied().unwrap_or(Vec3::Y);

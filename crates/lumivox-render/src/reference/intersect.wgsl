@@ -24,7 +24,7 @@ struct Hit {
     triangle: u32,
     // Weights of the second and third vertex.
     weights: vec2f,
-    // The ray hits the back, on which the surface is not visible.
+    // Whether the ray hits the back of a single-sided surface.
     is_back: bool,
 }
 
@@ -32,7 +32,7 @@ struct Hit {
 // of 2^-24 each, relative to the input lengths: 4e-7. This is a little more than twice that.
 const EDGE_TOLERANCE: f32 = 1e-6;
 
-// The distance at which a ray enters a box; above `reach` if it does not.
+// The distance at which a ray enters a box; above `reach` if it misses.
 fn entry(node: u32, origin: vec3f, inverse: vec3f, reach: f32) -> f32 {
     let a = (nodes[node].low - origin) * inverse;
     let b = (nodes[node].high - origin) * inverse;
@@ -79,7 +79,7 @@ fn intersect(ray: Ray, sides: u32, stops_early: bool) -> Hit {
             for (var index = first; index <= last; index++) {
                 let triangle = triangle_at(index);
                 let p = cross(ray.direction, triangle.edge_2);
-                // Positive: the front.
+                // Positive if the ray hits the front.
                 let determinant = dot(triangle.edge_1, p);
                 let inverse_determinant = 1.0 / determinant;
                 let from_corner = ray.origin - triangle.corner;

@@ -22,7 +22,7 @@ pub struct ReferenceLayers {
     pub fingerprint: u64,
     /// The picture: radiance in cd/m².
     pub radiance: Vec<[f32; 3]>,
-    /// The share of it that is emitted, comes directly from lamps, or is the background.
+    /// The share of `radiance` that is emitted, comes directly from lamps, or is the background.
     pub direct: Vec<[f32; 3]>,
     /// Irradiance in lux on the visible surface, from emissive surfaces and from surfaces that
     /// lamps light directly.

@@ -57,7 +57,7 @@ impl Materials {
             let mut shown = material_record(material, radiance_unit, white, colors.has_alpha);
             unmask(material, textures, &mut shown);
             if !is_layered(material, &shown) {
-                // The factor was already applied, for the shader of plain materials.
+                // Plain materials include the factor in F0.
                 shown.specular_factor = 1.0;
             }
             let sides = sides(material, textures, &shown);
@@ -73,7 +73,7 @@ impl Materials {
                 }),
                 emitter_density: 0.0,
                 phong_exponent: match &material.shading {
-                    // Zero would mean that there is no Phong lobe.
+                    // Zero means that there is no Phong lobe.
                     Shading::Phong(phong) => phong.shininess.max(1e-3),
                     _ => 0.0,
                 },

@@ -160,7 +160,7 @@ impl PathTracer {
         Self::with_features(gpu, scene, camera, settings, &[], |features| features).await
     }
 
-    /// Like [`Self::new`], but measures at sensors if there are any, and can switch off some
+    /// Like [`Self::new`], but measures at sensors if there are any. `adjust` can switch off
     /// techniques, which must not change the mean.
     async fn with_features(
         gpu: &Gpu,
@@ -186,7 +186,7 @@ impl PathTracer {
         self.film.samples
     }
 
-    /// Traces the samples that the settings ask for and that are missing.
+    /// Traces the samples still missing from the settings' number.
     ///
     /// `progress` is called often; if it breaks, the samples so far are kept, and tracing can
     /// continue later.
@@ -205,7 +205,7 @@ impl PathTracer {
     /// none is left or `progress` broke.
     ///
     /// Between batches, tracing can continue from a checkpoint and gives the same bits as without a
-    /// break. If it stops within a batch, samples that all pixels have are kept as well; the result
+    /// break. If it stops within a batch, the samples that all pixels have are kept, but the result
     /// then differs by rounding.
     ///
     /// # Errors

@@ -6,9 +6,9 @@ import package::render::reference::random::random_2;
 import package::render::reference::world::{panorama, panorama_rows, world};
 
 struct Surroundings {
-    // Without the peaks that the renderer turns into lights.
+    // Radiance without the peaks that the renderer turns into lights.
     soft: vec3f,
-    // The light that the peaks add.
+    // Radiance that the peaks add.
     peaks: vec3f,
     // Density of `draw_surroundings`, per steradian.
     density: f32,

@@ -1,10 +1,10 @@
 //! Parts of a reference that several machines trace, and their sum.
 //!
-//! A part has some batches of samples, identified by their numbers. Since batches are added exactly
-//! (`film.rs`), parts add up to the same bits as on one machine, in any order. A part that was
-//! traced twice counts once. The file is little-endian: a magic number, the length of the maker's
-//! name and that name, the fingerprint of the scene, the seed, the unit of radiance, width, height,
-//! the first batch, samples, batches, all sums, and a checksum of everything before.
+//! A part consists of numbered batches of samples. Since batches are added exactly (`film.rs`),
+//! parts add up to the same bits as on one machine, in any order. A part that was traced twice
+//! counts once. The file is little-endian: a magic number, the length of the maker's name and that
+//! name, the fingerprint of the scene, the seed, the unit of radiance, width, height, the first
+//! batch, samples, batches, all sums, and a checksum of everything before.
 
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ const MARK: &[u8; 8] = b"LUMIPRT1";
 /// The longest name of a maker, bytes.
 const LONGEST_MAKER: usize = 1 << 12;
 
-/// Why parts cannot be added up.
+/// The reason why parts cannot be added up.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PartError {
@@ -29,7 +29,7 @@ pub enum PartError {
     /// The part ends within a batch.
     #[error("it has {samples} samples, which are no whole batches of {BATCH}; trace it to its end")]
     Unfinished {
-        /// Its samples.
+        /// The samples of the part.
         samples: u32,
     },
     /// A part is of another scene, camera, size, seed or limit of bounces.
@@ -46,7 +46,7 @@ pub enum PartError {
         /// The maker of the first part.
         first: String,
     },
-    /// Some of the batches are in another part.
+    /// Some of the part's batches are in another part.
     #[error(
         "its batches {found:?} are in part those of another part, {other:?}; leave one of the two out"
     )]
@@ -61,13 +61,13 @@ pub enum PartError {
         "its batches {batches:?} are there already, with other sums; trace them again on the same machine"
     )]
     Differs {
-        /// The batches.
+        /// The batches of both parts.
         batches: Range<u32>,
     },
     /// Batches are missing between the added ones.
     #[error("the batches {batches:?} are missing; trace them with --batches {}..{}", batches.start, batches.end)]
     Missing {
-        /// The batches.
+        /// The missing batches.
         batches: Range<u32>,
     },
 }
@@ -97,17 +97,17 @@ impl ReferencePart {
         }
     }
 
-    /// The program, GPU and driver that made it.
+    /// The program, GPU and driver that made the part.
     pub fn maker(&self) -> &str {
         &self.maker
     }
 
-    /// The numbers of its batches.
+    /// The numbers of the part's batches.
     pub fn batches(&self) -> Range<u32> {
         self.first_batch..self.first_batch + self.film.batches
     }
 
-    /// The bytes of its file.
+    /// The bytes of the part's file.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MARK.to_vec();
         bytes.extend((self.maker.len() as u32).to_le_bytes());

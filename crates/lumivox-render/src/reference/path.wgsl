@@ -7,7 +7,7 @@
 // *lights*; the light of emissive surfaces and of the rest of the panorama reaches surfaces through
 // *gathers*, like reflected light. So the layers match the renderer's: direct light comes from
 // lights; one bounce is the light that one gather finds. With sensors, one path starts at each of
-// them, and its direct light comes from lights as well.
+// them; its direct light also comes from lights.
 //
 // A path ends at random, with a probability that depends on the light that it could still
 // contribute (Russian roulette: Arvo and Kirk 1990, "Particle transport and image synthesis").
@@ -58,7 +58,7 @@ const KINDS: u32 = 4u + 2u * REFERENCE_HAS_PEAKS;
 // Paths of a sample.
 const PATHS: u32 = 2u - REFERENCE_HAS_SENSORS;
 
-// Two sums: all of a path's light, and its early share.
+// Two sums: all light of a path, and the share that arrives early.
 struct Light2 {
     all: vec3f,
     early: vec3f,
@@ -74,7 +74,7 @@ fn camera_ray(pixel: vec2u, jitter: vec2f) -> Ray {
 
 struct Traced {
     light: Light2,
-    // The values of the first vertex.
+    // The next four members describe the first vertex.
     is_surface: bool,
     albedo: vec3f,
     normal: vec3f,
@@ -86,7 +86,7 @@ struct Traced {
 fn trace(start: Ray, is_picture: bool) -> Traced {
     var traced: Traced;
     let is_sensor = REFERENCE_HAS_SENSORS != 0u && !is_picture;
-    // The vertex at which light counts as early.
+    // The vertex whose light counts as early.
     let early_vertex = select(1u, 0u, is_picture || is_sensor);
     var ray = start;
     var throughput = vec3f(1.0);
@@ -120,7 +120,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
             traced.is_open = !is_surface || travelled + hit.distance * f32(hit.is_back) > world.occlusion_distance_m;
         }
         if hit.is_back {
-            // Backs are black.
+            // Backs of single-sided surfaces are black.
             break;
         }
 
@@ -141,7 +141,7 @@ fn trace(start: Ray, is_picture: bool) -> Traced {
                 other = seen.density;
             }
         }
-        // No other technique samples the camera's ray.
+        // Only one technique samples the camera's ray.
         let weight = select(power_weight(density, other), 1.0, vertex == 0u);
         if is_picture || vertex > 0u {
             let arriving = throughput * weight * shining;

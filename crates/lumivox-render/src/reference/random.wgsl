@@ -2,9 +2,9 @@
 //
 // A batch of 16 samples uses each 16th of the range once in every dimension, and each cell of a 4 x
 // 4 grid for a pair of numbers, in a separate order for each dimension, pixel and batch (jittered
-// sampling: Cook, Porter and Carpenter 1984, "Distributed ray tracing"). Every single sample is as
-// random as without stratification; their mean is less noisy. Batches are independent of each
-// other, so the spread of their means gives the noise.
+// sampling: Cook, Porter and Carpenter 1984, "Distributed ray tracing"). Each sample is as random
+// as without stratification; the mean is less noisy. Batches are independent of each other, so the
+// spread of their means gives the noise.
 
 import package::constants::REFERENCE_BATCH;
 import package::gpu::random::hash;
@@ -37,7 +37,7 @@ fn shuffled(place: u32, key: u32) -> u32 {
     return (x ^ (key >> 16u)) & 15u;
 }
 
-// In [0, 1), different for each sample.
+// A number in [0, 1), different for each sample.
 fn jitter(key: u32) -> f32 {
     return f32(hash(key ^ hash(random_place)) >> 8u) * (1.0 / 16777216.0);
 }
@@ -45,13 +45,13 @@ fn jitter(key: u32) -> f32 {
 // Sums are rounded, and 1 would be out of range.
 const BELOW_ONE: f32 = 0.99999994;
 
-// In [0, 1).
+// A number in [0, 1).
 fn random() -> f32 {
     let key = next_dimension();
     return min((f32(shuffled(random_place, key)) + jitter(key)) / 16.0, BELOW_ONE);
 }
 
-// Both in [0, 1).
+// Two numbers in [0, 1).
 fn random_2() -> vec2f {
     let key = next_dimension();
     let place = shuffled(random_place, key);

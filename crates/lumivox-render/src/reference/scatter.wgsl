@@ -56,7 +56,7 @@ fn lobe_shares(surface: Surface) -> vec3f {
     let cosine = cos_toward(surface);
     let below = below_coat(surface.coat, cosine);
     let gloss = average(gloss_fresnel(surface, cosine));
-    // Even at grazing angles, some of the diffuse light comes out.
+    // Even at grazing angles, some diffuse light leaves the surface.
     let diffuse = average(surface.diffuse) * max(1.0 - gloss, 0.1);
     let weights = vec3f(below * diffuse, below * gloss, coat_fresnel(surface.coat, cosine));
     let sum = weights.x + weights.y + weights.z;
@@ -99,7 +99,7 @@ fn scatter(surface: Surface, direction: vec3f) -> Scattered {
 }
 
 // A direction with the density that `scatter` returns; it may point below the surface, where
-// nothing is scattered.
+// `scatter` returns zero.
 fn draw_direction(surface: Surface) -> vec3f {
     let shares = lobe_shares(surface);
     let choice = random();

@@ -14,7 +14,7 @@ import package::trace::coat::Coat;
 struct Sensor {
     ray: Ray,
     is_there: bool,
-    // Whether the ray is that of a luminance meter, not of a lux meter.
+    // `true` for a luminance meter, `false` for a lux meter.
     is_ray: bool,
 }
 

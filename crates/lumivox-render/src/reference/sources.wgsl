@@ -18,7 +18,7 @@ import package::render::reference::world::{
 import package::trace::coat::below_coat;
 import package::cones::hemisphere::basis;
 
-// A visibility query: does light arrive along a ray?
+// A visibility query: whether light arrives along a ray.
 struct Question {
     direction: vec3f,
     reach: f32,
@@ -80,7 +80,7 @@ fn light_at(index: u32, surface: Surface) -> Incident {
     return Incident(aimed.direction / length, aimed.distance_m, irradiance);
 }
 
-// The sum of the light from all lights on a surface that faces them.
+// The sum of the irradiance by each light on a surface that faces it.
 fn all_lights(position: vec3f) -> f32 {
     var sum = 0.0;
     for (var index = 0u; index < world.light_count; index++) {
@@ -89,7 +89,7 @@ fn all_lights(position: vec3f) -> f32 {
     return sum;
 }
 
-// A light, sampled in proportion to its light on a surface that faces it, and a point of it.
+// Samples a light in proportion to its irradiance on a surface that faces it, and a point on it.
 fn ask_light(surface: Surface) -> Question {
     var sum = 0.0;
     var chosen = 0u;
@@ -118,8 +118,8 @@ fn ask_light(surface: Surface) -> Question {
     let drawn = basis(incident.direction) * vec3f(sine * cos(turn), sine * sin(turn), cosine);
     let direction = select(incident.direction, drawn, spread > 0.0);
     let scattered = scatter(surface, direction);
-    // The disc is uniform, and gives a surface that faces it the light's irradiance: pi sin^2 times
-    // its radiance.
+    // The disc is uniform. On a surface that faces it, it has the light's irradiance: pi sin^2
+    // times its radiance.
     var weight = 1.0 / probability;
     if spread > 0.0 {
         let density = probability / (2.0 * PI * cap_height(spread));
@@ -174,8 +174,8 @@ fn emitted(triangle: u32, weights: vec2f, direction: vec3f) -> vec3f {
 
 // The best of several points on emitters (resampled importance sampling: Talbot, Cline and Egbert
 // 2005, "Importance resampling for global illumination"): of thousands of lamps only few matter at
-// a point. For multiple importance sampling any density of a point is valid, as long as both
-// techniques use the same: here each candidate counts with its density.
+// a point. Multiple importance sampling allows any density, if both techniques use the same: here,
+// that of the candidates.
 fn ask_emitter(surface: Surface) -> Question {
     var chosen = NEVER;
     var chosen_brightness = 0.0;
@@ -244,7 +244,7 @@ fn ask_panorama(surface: Surface) -> Question {
     return Question(direction, 3e38, BLOCKING, vec3f(0.0), reflected * seen.soft);
 }
 
-// A peak of the panorama: a light, which surfaces block from both sides.
+// A peak of the panorama: like other lights, it is blocked by both sides of surfaces.
 fn ask_peak(surface: Surface) -> Question {
     let direction = draw_surroundings();
     let seen = surroundings(direction);
@@ -260,8 +260,7 @@ fn ask_peak_along(direction: vec3f, weight: vec3f, own_density: f32) -> Question
     return Question(direction, 3e38, BOTH_SIDES, reflected, vec3f(0.0));
 }
 
-// The light that a surface reflects of unit radiance from a direction that was sampled from the
-// panorama.
+// The light that a surface reflects for unit radiance from a direction sampled from the panorama.
 fn reflected_from(surface: Surface, direction: vec3f, density: f32) -> vec3f {
     if density <= 0.0 {
         return vec3f(0.0);

@@ -1,5 +1,4 @@
-// The surface where a ray hits a triangle: the same materials as the rasterizer's, with the same
-// code.
+// The surface where a ray hits a triangle. Materials have the rasterizer's code.
 
 import package::constants::{
     REFERENCE_HAS_LAYERS, REFERENCE_HAS_TEXTURES, TEXTURE_BASE_COLOR, TEXTURE_COAT,
@@ -56,8 +55,8 @@ fn texture_at(material: u32, which: u32, texcoords: vec4f) -> vec4f {
     return sample_texture(material, which, texcoords);
 }
 
-// `is_seen`: by the camera. An unlit surface shows its colour to the camera; to other surfaces it
-// is diffuse, as in the voxels.
+// `is_seen`: the camera sees the hit directly. There, an unlit surface shows its colour; to other
+// surfaces it is diffuse, as in the voxels.
 fn meet(ray: Ray, hit: Hit, is_seen: bool) -> Met {
     let triangle = triangle_at(hit.triangle);
     let weights = vec3f(1.0 - hit.weights.x - hit.weights.y, hit.weights);

@@ -15,7 +15,7 @@ pub(super) struct Surroundings {
     pub(super) size: [u32; 2],
     /// Radiance of each texel; in a, the cumulative probability within its row.
     pub(super) texels: Vec<[f32; 4]>,
-    /// The cumulative probability of the rows.
+    /// The cumulative probability of each row.
     pub(super) rows: Vec<f32>,
     pub(super) peaks: Vec<PeakRecord>,
 }

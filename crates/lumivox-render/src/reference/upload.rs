@@ -211,7 +211,8 @@ impl Uploaded {
     }
 }
 
-/// The features that the kernel is compiled with: software GPUs execute both sides of every branch.
+/// The features that the kernel is compiled with. Unused ones are left out: software GPUs execute
+/// both sides of every branch.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a constant of the shader")]
 pub(crate) struct Features {
@@ -318,7 +319,7 @@ fn world(
     }
 }
 
-/// The lights, relative to the scene's centre.
+/// The lights, with positions relative to the scene's centre.
 fn lights_around(lighting: &Lighting, radiance_unit: f32, origin: DVec3) -> Vec<Light> {
     let moved = |position: &mut Vec3| *position = (position.as_dvec3() - origin).as_vec3();
     let mut lights = lighting.to_gpu(radiance_unit);

@@ -38,7 +38,7 @@ struct Vertex {
     padding: vec2u,
 }
 
-// The position of a texture in the atlas; its bits are TILE_...
+// The position of a texture in the atlas; `bits` are TILE_...
 struct Tile {
     origin: vec2u,
     size: vec2u,
@@ -78,16 +78,16 @@ struct World {
     near_m: f32,
     forward: vec3f,
     light_count: u32,
-    // Its length is half the picture's width at a distance of one.
+    // To the right; the length is half the picture's width at a distance of one.
     right: vec3f,
     emitter_count: u32,
     up: vec3f,
     seed: u32,
     size: vec2u,
-    // The rows in the film.
+    // The rows of the film to trace.
     first_row: u32,
     row_count: u32,
-    // The factor of the panorama.
+    // Factor of the panorama's radiance.
     environment: vec3f,
     // The most path segments after the visible surface.
     most_bounces: u32,

@@ -74,7 +74,7 @@ fn reflectance(voxel: &Voxel) -> Vec3 {
 }
 
 /// The outline as in the renderer's voxel view: darker near the edges of a side; fades out where a
-/// pixel is as wide.
+/// pixel is several times as wide.
 fn outline(hit: &Hit, pixel_slope: f64) -> f32 {
     let from_corner = hit.position - hit.position.floor();
     let mut to_edge = from_corner.min(1.0 - from_corner);

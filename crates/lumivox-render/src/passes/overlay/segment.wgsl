@@ -8,7 +8,7 @@ import package::trace::surface::octahedral_decode;
 
 struct SegmentView {
     clip_from_world: mat4x4f,
-    // The ray through a point in clip space is middle + x across + y up, always at the same depth.
+    // The ray through a point (x, y) in clip space is middle + x across + y up, at a fixed depth.
     ray_middle: vec3f,
     wire_is_tested: u32,
     ray_across: vec3f,

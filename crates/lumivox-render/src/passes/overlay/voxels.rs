@@ -62,7 +62,7 @@ impl WireVoxels {
         background: [f32; 4],
         frame: &TextureView,
     ) {
-        // Nothing to show without voxels; the occupancy only exists once there is a voxel list.
+        // Without a voxel list there is no occupancy to show.
         let Some(voxels) = gi.voxels() else { return };
         let settings = WireSettings {
             color: WIRE_VOXEL_COLOR,

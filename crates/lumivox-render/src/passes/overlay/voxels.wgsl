@@ -29,7 +29,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let depth = textureLoad(gbuffer_depth, pixel, 0);
     if wire_settings.is_hidden_by_surfaces != 0u && depth > 0.0 {
         let distance_m = distance(position_from_depth(pixel, depth), view.position_in_world);
-        // The margin keeps a face that coincides with the surface in front of it.
+        // The margin keeps faces visible that coincide with the surface.
         end = 1.0001 * distance_m / (grid.voxel_size_m * exp2(f32(level))) + 0.01;
     }
     let wires = wires_along(pixel, level, end);

@@ -3,7 +3,7 @@
 
 struct CellWalk {
     cell: vec3f,
-    // The distance at which the ray entered the cell, and the axis across which it did.
+    // The distance at which the ray entered the cell, and the axis of the plane that it crossed.
     distance: f32,
     axis: u32,
     // The distance to the next plane along each axis.

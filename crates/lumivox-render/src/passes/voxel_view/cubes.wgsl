@@ -22,8 +22,8 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
 }
 
-// Lit cells are yellow, the others grey, shaded by the visible side. The amount of light is not
-// shown, so that weakly lit cells stand out.
+// Lit cells are yellow, the others grey, shaded by the visible side. Brightness does not depend on
+// the amount of light, so that weakly lit cells are visible.
 @compute @workgroup_size(8, 8)
 fn lit(@builtin(global_invocation_id) invocation: vec3u) {
     let pixel = invocation.xy;

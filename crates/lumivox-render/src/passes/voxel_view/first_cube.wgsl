@@ -25,8 +25,8 @@ fn first_cube(ray: Ray, level: u32) -> Hit {
         let cell = stored_from_corner(vec3u(walk.cell), up, cascade);
         let seen = load_cell(cell, up, ray.direction);
         if seen.a > MIN_OPACITY {
-            // The radiance of the face along the view, if it has any: a wall and a floor that share
-            // a cell each light their own side of the cube.
+            // The radiance of the face along the view, if there is any: if a wall and a floor share
+            // a cell, each colours its side of the cube.
             var inwards = vec3f(0.0);
             inwards[walk.axis] = walk.forward[walk.axis];
             let face = load_cell(cell, up, inwards);

@@ -1,5 +1,5 @@
 // The content of one level of the volume at the visible surfaces, filtered as cones sample it,
-// looking against the surface's normal: radiance without opacity.
+// looking against the surface's normal; radiance is not weighted by opacity.
 
 import package::grid::grid_from_world;
 import package::render::passes::voxel_view::view::{picture, voxel_view_settings, MIN_OPACITY};

@@ -63,9 +63,9 @@ impl VoxelViewPass {
     }
 
     /// Draws a level for a camera with the given vertical field of view. Level and field of view
-    /// take effect at the next submission: one frame per recorder. A view that is not of voxels, or
-    /// that the volume cannot show, is drawn as [`View::Voxels`]. [`View::Lod`] needs the G-buffer
-    /// of this frame.
+    /// take effect at the next submission, so record one frame per recorder. A view that is not of
+    /// voxels, or that the volume cannot show, is drawn as [`View::Voxels`]. [`View::Lod`] needs
+    /// the G-buffer of this frame.
     ///
     /// # Errors
     /// When a shader does not link.

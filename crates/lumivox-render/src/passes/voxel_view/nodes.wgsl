@@ -71,7 +71,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     if hit.is_hit {
         let side = array<f32, 3>(0.3, 0.42, 0.22)[hit.axis];
         shown = vec4f(vec3f(side) * outline(hit.position, hit.axis, hit.distance), 1.0);
-        // The margin keeps a line that coincides with the surface in front of it.
+        // The margin keeps lines visible that coincide with the surface.
         end = 0.5 * hit.distance + 0.01;
     }
     let line = first_line(pixel_ray(pixel, level + 1u), level + 1u, end);

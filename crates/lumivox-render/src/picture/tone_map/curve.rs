@@ -1,5 +1,5 @@
-//! The curves and the screen's encoding on the CPU, for pictures from other sources than the GPU.
-//! Tests compare `tone_map.wgsl` with them.
+//! The curves and the screen's encoding on the CPU, for pictures that are not on the GPU. Tests
+//! compare `tone_map.wgsl` with them.
 
 use glam::Vec3;
 

@@ -79,7 +79,7 @@ mod tests {
         assert_eq!(histogram.bins.iter().sum::<u32>(), 8);
     }
 
-    /// Grey and white are at the positions that the exposure gives them.
+    /// The marks of grey and white follow from the exposure.
     #[test]
     fn white_and_grey_marks_follow_the_exposure() {
         let one = 14.0 * Histogram::BINS_PER_STOP as f32;

@@ -33,16 +33,18 @@ const MIDDLE_GREY: f64 = 0.18;
 /// a studio, to this value: white objects beside it are then nearly white, and no large surface is
 /// clipped. A patch of sun may be.
 const LIGHT_GREY: f64 = 0.6;
-/// The most stops by which that may darken and brighten the result, relative to a middle-grey mean.
+/// The most stops by which [`LIGHT_GREY`] may darken and brighten the result, relative to a
+/// middle-grey mean.
 const UNDER_AND_OVER: [f32; 2] = [2.0, 1.5];
 /// The range that cameras expose for, in EV at ISO 100: from a landscape under stars to snow in
 /// full sun (ANSI PH2.7-1986, "Photographic exposure guide", table 1).
 pub const EV100_RANGE: std::ops::RangeInclusive<f32> = -6.0..=17.0;
-/// A reflected-light meter reads `K 2^EV / 100` cd/m² at ISO 100, K = 12.5 (ISO 2720:1974).
+/// The luminance at EV 0 and ISO 100: a reflected-light meter reads `K 2^EV / 100` cd/m², K = 12.5
+/// (ISO 2720:1974).
 const METER_CD_M2: f64 = 0.125;
-/// The share of the pixels that must show more than the first code above black.
+/// A picture counts as black if fewer than this share of its pixels reach [`FIRST_CODE`].
 const SHOWN: f64 = 1e-3;
-/// The linear value of that code: IEC 61966-2-1.
+/// The linear value of the first code above black (IEC 61966-2-1).
 const FIRST_CODE: f64 = 1.0 / (255.0 * 12.92);
 /// Pixels darker than this share of the picture's mean luminance are ignored: black has no
 /// logarithm, and half of a direct-light view may be black.
@@ -247,7 +249,7 @@ pub struct Metering {
     pub histogram: Option<Histogram>,
 }
 
-/// Why a camera would not expose such a picture well.
+/// The reason why a camera would not expose the picture well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ExposureWarning {
     /// All but a thousandth of the picture is black.
@@ -331,7 +333,7 @@ fn geometric_mean(picture: &[[f32; 4]]) -> Option<f64> {
         return None;
     }
     let lit = || surfaces(picture).filter(|luminance| *luminance >= DARKEST * mean);
-    // The brightest pixel is at least as bright as the mean, so there is one.
+    // Not empty: the brightest pixel is at least as bright as the mean.
     Some((lit().map(f64::ln).sum::<f64>() / lit().count() as f64).exp())
 }
 
@@ -358,8 +360,8 @@ mod tests {
         assert_eq!(Exposure::Stops(-3.0).stops(&[grey(4.0)]), -3.0);
     }
 
-    /// A white object before a grey ground is nearly white, a black one is black, and the ground
-    /// stays grey.
+    /// On a grey ground a white object is nearly white, a black one black, and the ground stays
+    /// grey.
     #[test]
     fn auto_exposure_shows_a_white_object_nearly_white() {
         let shown = |thing: f32, covered: usize| {
@@ -386,7 +388,8 @@ mod tests {
     #[test]
     fn extreme_exposures_give_a_warning() {
         let meter = |luminance: f32| Exposure::Auto.meter(&[grey(luminance); 50]);
-        // Its brightest fifth equals its mean here: 1.5 stops above grey.
+        // The brightest fifth equals the mean, so exposure is the most above middle grey: 1.5
+        // stops.
         let lit = meter(100.0);
         assert!((lit.stops - (0.18_f32 / 100.0).log2() - 1.5).abs() < 1e-5, "{lit:?}");
         assert_eq!(lit.warning, None);
