@@ -7,7 +7,7 @@ fn grid() -> ProbeGrid {
     ProbeGrid { min: Vec3::ZERO, size: Vec3::new(2.0, 3.0, 4.0), cells: UVec3::new(2, 3, 4) }
 }
 
-/// Light that encodes the probe and the direction.
+/// Light whose values encode the probe and the direction.
 fn numbered(probe: usize) -> [Vec3; 6] {
     std::array::from_fn(|side| std::f32::consts::PI * Vec3::new(probe as f32, side as f32, 7.0))
 }
@@ -46,7 +46,7 @@ fn probes_and_directions_follow_bevys_file_layout() {
             half::f16::from_le_bytes(bytes.try_into().unwrap()).to_f32()
         })
     };
-    // The probe (1, 2, 3) is the last; its six sides, by axis and sign.
+    // The last probe is (1, 2, 3); its six directions, by axis and sign.
     for (side, (y, z)) in [(2, 3), (5, 3), (2, 7), (5, 7), (2, 11), (5, 11)].into_iter().enumerate()
     {
         assert_eq!(texel(1, y, z), [23.0, side as f32, 7.0, 1.0], "{side}");
@@ -65,7 +65,7 @@ fn values_beyond_half_floats_are_scaled() {
 
 #[test]
 fn buried_probes_copy_light_from_free_neighbours() {
-    // In the middle of the first layer, and a corner that is found only through it.
+    // Three probes in a corner of the first layer.
     let mut solid = [false; 24];
     (solid[0], solid[1], solid[2]) = (true, true, true);
     let light = |probe: usize| {

@@ -16,7 +16,7 @@ fn scaled(picture: &LinearPicture, factor: f32) -> LinearPicture {
     LinearPicture { size: picture.size, rgb }
 }
 
-/// Both differ by rounding in f64, or in the f32 of the pixels.
+/// Compares up to rounding in f64, or in the pixels' f32.
 #[track_caller]
 fn assert_close(actual: f64, expected: f64) {
     let tolerance = 1e-5 * expected.abs().max(1.0);
@@ -30,7 +30,7 @@ fn figures_match_a_hand_calculation() {
     let figures = ErrorFigures::new(&reference, None, &ours).expect("figures");
     assert_close(figures.bias_percent, 25.0);
     assert_close(figures.rmse_percent, 100.0 * 0.5_f64.sqrt() / 2.0);
-    // Rank 4 of 4: the first pixel is wrong by all of its own luminance.
+    // Rank 4 of 4 is the first pixel, whose error is its whole luminance.
     assert_close(figures.p95_percent, 100.0);
     assert_eq!(figures.noise_percent, None);
     assert_eq!(figures.rmse_with_noise_percent, figures.rmse_percent);
@@ -49,7 +49,7 @@ fn bias_and_rmse_use_channels_and_p95_luminance() {
 
 #[test]
 fn dark_pixel_errors_use_a_tenth_of_the_mean() {
-    // The mean is 10; the first pixel counts as if it had 1, the second as itself, 2.
+    // The mean is 10, so the first pixel's divisor is 1; the second's is its own luminance, 2.
     let (reference, ours) = (grey([0.5, 2.0, 27.5]), grey([0.25, 3.0, 27.5]));
     let errors = relative_errors(&reference, &ours).expect("errors");
     for (error, expected) in errors.iter().zip([-0.25, 0.5, 0.0]) {
@@ -72,12 +72,12 @@ fn reference_noise_is_subtracted_from_the_rmse() {
     let with = |variance: [f32; 2]| {
         ErrorFigures::new(&reference, Some(&variance), &ours).expect("figures")
     };
-    // The mean squared error is 1, the mean variance 0.36: 0.8 of 4 is left.
+    // The mean squared error is 1, the mean variance 0.36: an error of 0.8 remains, of a mean of 4.
     let figures = with([0.6, 0.12]);
     assert_close(figures.noise_percent.expect("noise"), 15.0);
     assert_close(figures.rmse_percent, 20.0);
     assert_close(figures.rmse_with_noise_percent, 25.0);
-    // A difference that noise explains is not an error.
+    // A difference no larger than the noise is not an error.
     assert_eq!(with([1.0, 2.0]).rmse_percent, 0.0);
 }
 
@@ -108,7 +108,7 @@ fn incomparable_pictures_are_refused_with_the_reason() {
     says(message(&good, Some(&[0.0, -1.0]), &good), &["the variance is -1.0 at pixel 1,0"]);
     says(message(&grey([0.0, 0.0]), None, &good), &["black", "give a reference that shows light"]);
     says(message(&grey([-3.0, 1.0]), None, &good), &["its mean is -1"]);
-    // Black is a fair answer, though: everything is missing.
+    // Only the reference may not be black.
     let figures = ErrorFigures::new(&good, None, &grey([0.0, 0.0])).expect("figures");
     assert_close(figures.bias_percent, -100.0);
 }
@@ -129,9 +129,9 @@ fn flip_grows_with_the_difference() {
     };
     assert_eq!(flip(0.5), 0.0);
     let (small, large) = (flip(0.55), flip(0.8));
-    // FLIP's published range; a tenth more red in half of the pixels is seen, but little.
+    // FLIP is from 0 to 1; a tenth more red in half of the pixels is just visible.
     assert!(0.005 < small && 2.0 * small < large && large < 0.3, "{small} {large}");
-    // A picture that is brighter as a whole is not exposed to look alike.
+    // A brighter picture is shown with the reference's exposure, so it looks different.
     let brighter = scaled(&checker(0.5), 4.0);
     let figures = ErrorFigures::new(&checker(0.5), None, &brighter).expect("figures");
     assert!(figures.flip > Some(0.1), "{figures:?}");
@@ -159,7 +159,7 @@ proptest! {
         prop_assert_eq!(figures.flip.unwrap_or(0.0), 0.0);
     }
 
-    /// A power of two scales floats to the bit, and exposure takes it out again.
+    /// Powers of two scale floats exactly, and exposure cancels the scale.
     #[test]
     fn scaling_both_pictures_does_not_change_errors((reference, ours) in pictures(), stops in -20_i32..20) {
         let factor = (stops as f32).exp2();
@@ -173,7 +173,7 @@ proptest! {
         prop_assert_eq!(plain.p95_percent, other.p95_percent);
         prop_assert_eq!(plain.noise_percent, other.noise_percent);
         prop_assert_eq!(plain.rmse_with_noise_percent, other.rmse_with_noise_percent);
-        // Stops are rounded, so a code of 8 bits may change.
+        // Stops are rounded, so an 8-bit code may change.
         let change = plain.flip.unwrap_or(0.0) - other.flip.unwrap_or(0.0);
         prop_assert!(change.abs() < 0.02, "{plain:?} {other:?}");
     }
@@ -184,7 +184,7 @@ proptest! {
         let figures = figures.expect("figures");
         let expected = 100.0 * (f64::from(factor) - 1.0);
         prop_assert!((figures.bias_percent - expected).abs() < 1e-3);
-        // Every pixel has that error or, being dark, a smaller one.
+        // Dark pixels have a smaller error, all others this one.
         prop_assert!(figures.p95_percent <= expected.abs() + 1e-3);
         prop_assert!(figures.rmse_percent >= figures.bias_percent.abs() - 1e-3);
     }

@@ -20,8 +20,8 @@ fn read(bytes: &[u8], layer: Option<&str>) -> Result<PictureFile, CompareError> 
 
 type Part = Layer<AnyChannels<FlatSamples>>;
 
-/// A part of 2 x 1 pixels: under each prefix, channels R, G and B of one value, 10 and 20 more, and
-/// a half more of each in the second pixel.
+/// A part of 2 x 1 pixels. For each prefix, channel R has the given value, G 10 more, B 20 more;
+/// the second pixel has 0.5 more.
 fn part(name: Option<&str>, prefixes: &[(&str, f32)]) -> Part {
     let attributes = name.map_or_else(LayerAttributes::default, LayerAttributes::named);
     let channels = prefixes.iter().flat_map(|&(prefix, value)| {
@@ -54,7 +54,7 @@ fn a_plain_exr_keeps_its_bits() {
     assert_eq!(file.layer, None);
     assert_eq!(file.picture.size, UVec2::new(2, 1));
     assert_eq!(file.picture.rgb, [[1.25, 11.25, 21.25], [1.75, 11.75, 21.75]]);
-    // It names no layers, so it is taken whatever layer is asked for.
+    // The file has no named layers, so the requested name is ignored.
     assert_eq!(read(&bytes, Some("full")).expect("a picture"), file);
 }
 
@@ -101,7 +101,7 @@ fn pictures_for_screens_become_linear() {
         .expect("written");
     let picture = read(&bytes, None).expect("a picture").picture;
     assert_eq!((picture.rgb[0][0], picture.rgb[0][2]), (0.0, 1.0));
-    // The middle code is a fifth of the light.
+    // Code 128 is a fifth of the light.
     assert!((picture.rgb[0][1] - 0.2159).abs() < 1e-4, "{picture:?}");
     let shown = |rgb: [f32; 3]| crate::ToneMap::Linear.encode(Vec3::from_array(rgb)) * 255.0;
     let again = picture.rgb.iter().flat_map(|&rgb| shown(rgb).to_array());
@@ -110,7 +110,7 @@ fn pictures_for_screens_become_linear() {
 
 #[test]
 fn radiance_pictures_lose_their_exposure() {
-    // One pixel of 1, 0.5 and 0.25: mantissas of 128, 64, 32 of 256, times 2.
+    // One pixel of (1, 0.5, 0.25): mantissas of 128, 64 and 32 / 256, exponent 1.
     let file = |lines: &str| {
         let head = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n{lines}\n-Y 1 +X 1\n");
         [head.as_bytes(), &[128, 64, 32, 129]].concat()

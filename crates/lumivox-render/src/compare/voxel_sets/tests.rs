@@ -49,7 +49,7 @@ fn differences_are_counted() {
     let found = set(&[
         ([1, 2, 3], RED + Vec3::new(0.0, 0.3, 0.0), 1.0),
         ([4, 5, 6], RED, 1.0),
-        // Without surface in the exact set: no colour to be compared.
+        // In the exact set it has no surface, so colours are not compared.
         ([8, 7, 7], Vec3::ONE, 0.25),
         ([9, 9, 9], Vec3::ONE, 0.75),
     ]);
@@ -63,7 +63,7 @@ fn differences_are_counted() {
     assert_eq!((nothing.missing, nothing.missing_area, nothing.color_rmse), (5, 1.0, 0.0));
 }
 
-/// Four voxels in a row, seen from the front: each pixel shows its own.
+/// Four voxels in a row, seen from the front.
 #[test]
 fn missing_and_extra_voxels_have_different_colors() {
     let exact = set(&[([6, 8, 4], RED, 1.0), ([7, 8, 4], RED, 1.0), ([8, 8, 4], RED, 0.0)]);
@@ -73,7 +73,7 @@ fn missing_and_extra_voxels_have_different_colors() {
         vertical_fov_rad: 2.0 * (0.5_f32 / 9.0).atan(),
         ..Camera::default()
     };
-    // Six columns of a voxel each, at the distance of their front.
+    // The picture is six voxels wide at the distance of their front sides.
     let size = UVec2::new(6 * 20, 20);
     let picture = voxel_set_picture(&found, &exact, &camera, size);
     let at = |column: u32| picture[(10 * size.x + 20 * column + 10) as usize];
@@ -90,8 +90,7 @@ fn missing_and_extra_voxels_have_different_colors() {
     assert!(at(0).iter().all(|channel| *channel < 40), "{:?}", at(0));
 }
 
-/// A ray meets the nearest of the cells on it, from within the grid and from outside, along each
-/// axis.
+/// Rays along each axis, from inside and outside the grid, meet the nearest cell.
 #[test]
 fn rays_meet_the_nearest_voxel() {
     for axis in 0..3 {

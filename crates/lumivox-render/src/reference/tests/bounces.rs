@@ -1,4 +1,4 @@
-//! One gather and many.
+//! Tests of limits of bounces.
 
 use super::*;
 
@@ -14,12 +14,12 @@ fn the_first_gather_equals_a_one_bounce_render() {
     assert_eq!(none.radiance, none.direct);
     assert!(none.full.iter().flatten().all(|value| *value == 0.0));
 
-    // One bounce is the same however many follow.
+    // The first bounce does not depend on the number of further ones.
     let (one, many, all) = (by(Some(1), 64), by(Some(24), 64), by(None, 64));
     let once =
         |layers: &ReferenceLayers| Estimate::of(&layers.one_bounce, &layers.one_bounce_variance);
     once(&many).assert_near("one of many bounces", once(&one));
-    // The 25th bounce brings less than 0.73^24 of the light: a two-thousandth.
+    // Bounces from the 25th on add less than 0.73^24 of the light, a two-thousandth.
     let limit = Estimate::full(&all);
     let most = Estimate::full(&many);
     most.assert_near(
@@ -28,7 +28,7 @@ fn the_first_gather_equals_a_one_bounce_render() {
     );
     let first = Estimate::full(&one);
     assert!(first.mean + 4.0 * first.error < limit.mean, "bounces add light");
-    // The direct light does not know of them.
+    // Direct light does not depend on bounces.
     let direct = |layers: &ReferenceLayers| Estimate::of(&layers.direct, &layers.direct_variance);
     direct(&one).assert_near("direct light", direct(&all));
 }

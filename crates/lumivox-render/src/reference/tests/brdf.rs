@@ -1,5 +1,5 @@
-//! The CPU twin of `scatter.wgsl`, in f64 and from the formulas' other forms: slopes and Smith's
-//! Lambda.
+//! The CPU version of `scatter.wgsl`, in f64 and with other forms of the formulas: slopes and
+//! Smith's Lambda.
 
 use std::f64::consts::{PI, TAU};
 
@@ -30,7 +30,7 @@ impl Default for Lobes {
     }
 }
 
-/// A direction at an angle, given by its cosine, to the normal.
+/// A direction with the given cosine to the normal.
 pub(super) fn at_cosine(cosine: f64) -> DVec3 {
     DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine)
 }
@@ -41,7 +41,7 @@ fn schlick(f0: f64, cosine: f64) -> f64 {
     f0 + (f90 - f0) * (1.0 - cosine).powi(5)
 }
 
-/// Walter et al. 2007, equation 33, by the tangent.
+/// Walter et al. 2007, equation 33, in terms of the tangent.
 fn distribution(normal: DVec3, alpha: f64) -> f64 {
     let cos_2 = normal.z * normal.z;
     let tan_2 = (1.0 - cos_2).max(0.0) / cos_2;
@@ -79,7 +79,7 @@ impl Lobes {
         self.coat_strength * schlick(0.04, cosine)
     }
 
-    /// The BRDF times the cosine, of light from above.
+    /// The BRDF times the cosine, for light from above.
     pub(super) fn value(&self, view: DVec3, light: DVec3) -> f64 {
         let half = (view + light).normalize();
         let cosine = half.dot(view);
@@ -99,7 +99,7 @@ impl Lobes {
         (below * (diffuse + fresnel * gloss) + coat) * light.z
     }
 
-    /// The density of directions.
+    /// The density of sampled directions, per steradian.
     pub(super) fn density(&self, view: DVec3, light: DVec3) -> f64 {
         let half = (view + light).normalize();
         // The density of visible normals, mirrored: Heitz 2014, equations 43 and 2.
@@ -120,8 +120,8 @@ impl Lobes {
         shares.iter().zip(densities).map(|(share, density)| share * density).sum::<f64>() / sum
     }
 
-    /// The share of even light from all around that is reflected towards a cosine: each lobe is
-    /// integrated in coordinates in which it is smooth.
+    /// The share of uniform light that is reflected in a direction with the given cosine. Each lobe
+    /// is integrated in coordinates in which it is smooth.
     pub(super) fn albedo(&self, cosine: f64) -> f64 {
         let view = at_cosine(cosine);
         // D cos(h) dh is du dphi / 2 pi, where tan^2(h) = alpha^2 u / (1 - u).

@@ -1,4 +1,4 @@
-//! Light of lamps and panels in closed form.
+//! Tests against closed forms for the light of lamps and panels.
 
 use std::f64::consts::PI;
 
@@ -6,9 +6,9 @@ use glam::DVec3;
 
 use super::*;
 
-/// Irradiance over radiance at a point with a normal, by a polygon that is wholly above: Lambert,
-/// "Photometria" (1760); in the form of Arvo 1995, "Analytic methods for simulated light
-/// transport", section 3.1. The corners turn left as seen from the point.
+/// Irradiance divided by radiance at a point with a normal, by a polygon entirely above it:
+/// Lambert, "Photometria" (1760); in the form of Arvo 1995, "Analytic methods for simulated light
+/// transport", section 3.1. The corners are counter-clockwise as seen from the point.
 fn polygon_irradiance(point: DVec3, normal: DVec3, corners: &[DVec3]) -> f64 {
     let edges = corners.iter().zip(corners.iter().cycle().skip(1));
     let each = |(a, b): (&DVec3, &DVec3)| {
@@ -18,8 +18,8 @@ fn polygon_irradiance(point: DVec3, normal: DVec3, corners: &[DVec3]) -> f64 {
     0.5 * edges.map(each).sum::<f64>().abs()
 }
 
-/// The mean of a quantity over a pixel of a camera that looks straight down on `edge_m` of the
-/// floor.
+/// The mean of a quantity over a pixel of a camera that looks straight down on a square of the
+/// floor with edge `edge_m`.
 fn pixel_mean(pixel: usize, edge_pixels: u32, edge_m: f64, of: impl Fn(DVec3) -> f64) -> f64 {
     let at = |pixel: u32, part: u32| {
         ((f64::from(pixel) + (f64::from(part) + 0.5) / 4.0) / f64::from(edge_pixels) - 0.5) * edge_m
@@ -37,7 +37,7 @@ fn look_down(scene: &mut Scene, height_m: f32, edge_m: f32) {
 #[test]
 fn a_panel_lights_a_floor_by_lamberts_formula() {
     let mut scene = builtin("panel");
-    // The panel is not seen from above: it faces down.
+    // The panel faces down, so it is invisible from above.
     look_down(&mut scene, 6.0, 5.8);
     let corners = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)];
     let corners = corners.map(|(x, z)| DVec3::new(x, 1.0, z));
@@ -47,7 +47,7 @@ fn a_panel_lights_a_floor_by_lamberts_formula() {
         .map(|pixel| pixel_mean(pixel, edge, 5.8, |at| polygon_irradiance(at, DVec3::Y, &corners)))
         .collect();
     let mean = expected.iter().sum::<f64>() / expected.len() as f64;
-    // The share of the view that the panel fills is not open, unless it is out of reach.
+    // The panel's share of the hemisphere is not open, unless the panel is out of reach.
     let open: Vec<[f32; 3]> = layers.occlusion.iter().map(|open| [*open; 3]).collect();
     Estimate::of(&open, &layers.occlusion_variance).assert_is("openness", 1.0 - mean / PI);
     let near = ReferenceSettings { occlusion_distance_m: 0.9, ..settings(2, 16) };
@@ -55,11 +55,11 @@ fn a_panel_lights_a_floor_by_lamberts_formula() {
     Estimate::full(&layers).assert_is("irradiance", mean);
     let once = Estimate::of(&layers.one_bounce, &layers.one_bounce_variance);
     once.assert_is("irradiance of one bounce", mean);
-    // The floor reflects a half of it.
+    // The floor reflects half of the light.
     Estimate::radiance(&layers).assert_is("radiance", 0.5 * mean / PI);
-    // Each pixel by itself, too: the squares of its errors in standard deviations are 1 on average,
-    // within the spread of a chi squared with as many degrees of freedom as there are pixels, and a
-    // tenth, since the deviations are themselves estimates.
+    // Individual pixels, too: the squares of their errors in standard deviations have a mean of 1,
+    // within the spread of chi squared with one degree of freedom per pixel, plus a tenth, since
+    // the deviations are themselves estimates.
     let squares = layers.full.iter().zip(&layers.full_variance).zip(&expected).map(
         |(([value, ..], variance), expected)| {
             (f64::from(*value) - expected).powi(2) / f64::from(*variance)
@@ -71,7 +71,7 @@ fn a_panel_lights_a_floor_by_lamberts_formula() {
     assert!((score - 1.0).abs() < scatter, "{score} variances");
 }
 
-/// Lamps without size are without noise, except for the choice between them.
+/// Lamps without size have no noise, except from the choice between several.
 #[test]
 fn lamps_light_a_floor_by_their_distance_and_cosine() {
     let albedo = 0.6;
@@ -88,7 +88,7 @@ fn lamps_light_a_floor_by_their_distance_and_cosine() {
     };
     let spot_light = Light {
         kind: LightKind::Spot,
-        // All visible points lie inside.
+        // All visible points are inside the inner cone.
         inner_angle_rad: 1.2,
         outer_angle_rad: 1.3,
         ..point_light(spot.as_vec3(), 3.0, 0.0)
@@ -105,7 +105,7 @@ fn lamps_light_a_floor_by_their_distance_and_cosine() {
                 point_light(lamp.as_vec3(), 5.0, 0.05),
                 spot_light,
                 sun(-toward_sun.as_vec3(), 2.0, 0.01),
-                // One that is dark.
+                // A dark lamp.
                 point_light(Vec3::Y, 0.0, 0.2),
             ],
             &of_lamps,
@@ -122,21 +122,21 @@ fn lamps_light_a_floor_by_their_distance_and_cosine() {
     }
 }
 
-/// Where a plane through the edge of a wall and the middle of a round lamp meets the floor, half of
-/// the lamp is seen.
+/// Half of a round lamp is visible from where the plane through the wall's edge and the lamp's
+/// centre meets the floor.
 #[test]
 fn the_penumbra_middle_gets_half_the_lamps_light() {
     let mut scene = stage();
     let white = Material::diffuse("floor", Vec3::ONE);
     add(&mut scene, quad(Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0), white.clone());
-    // From x = 0 on; seen from above it is not there.
+    // A wall at x > 0, invisible from above.
     add(&mut scene, quad(Vec3::new(2.0, 1.0, 0.0), Vec3::X * 2.0, Vec3::Z * 4.0), white);
     scene.lights = vec![point_light(Vec3::Y * 2.0, 4.0, 0.2)];
     let edge_m = 0.08_f32;
     look_down(&mut scene, 0.9, edge_m);
     let layers = traced(&scene, &settings(8, 512));
     let direct = Estimate::of(&layers.direct, &layers.direct_variance);
-    // I / d² at the middle, which is 8e-4 more than 4 cm beside it.
+    // I / d² at the centre, 8e-4 more than 4 cm beside it.
     let whole = 4.0 / 4.0 / PI;
     direct.assert_near("half a lamp", Estimate { mean: 0.5 * whole, error: 2e-4 * whole });
     let column = |x: usize| {

@@ -1,13 +1,12 @@
-//! White furnaces: even light all around shows how much a surface reflects, and that nothing makes
-//! light.
+//! White furnaces: uniform light shows how much a surface reflects, and that no surface adds light.
 
 use lumivox_scene::{Clearcoat, MetallicRoughness, Phong, Shading};
 
 use super::brdf::Lobes;
 use super::*;
 
-/// In a closed cube that emits 1 cd/m² and reflects a half everywhere, n bounces bring the sum of
-/// the first powers of a half, and all of them 2 cd/m².
+/// In a closed cube that emits 1 cd/m² and reflects a half everywhere, the light of n bounces is a
+/// sum of powers of a half, and that of all bounces 2 cd/m².
 #[test]
 fn a_closed_furnace_is_a_geometric_series() {
     for (bounces, samples) in [(Some(0), 16), (Some(1), 16), (Some(3), 64), (None, 256)] {
@@ -15,7 +14,7 @@ fn a_closed_furnace_is_a_geometric_series() {
         let layers = traced(&builtin("furnace"), &asked);
         let powers = |count: u32| 2.0 - 0.5_f64.powi(count as i32 - 1);
         let [radiance, irradiance] = match bounces {
-            // The light of 0 to n reflections; the irradiance is that before the last one.
+            // Light of 0 to n reflections; the irradiance is the light before the last one.
             Some(n) => [powers(n + 1), powers(n)],
             None => [2.0, 2.0],
         };
@@ -27,8 +26,8 @@ fn a_closed_furnace_is_a_geometric_series() {
     }
 }
 
-/// A column of facets that turn away from the camera, in sections of one material each: convex, so
-/// that nothing is in the way of the light of an even sky.
+/// The angles of facets that turn away from the camera, in sections of one material each. The body
+/// is convex, so that nothing blocks the light of a uniform sky.
 const ANGLES: [f64; 5] = [0.05, 0.55, 0.95, 1.25, 1.45];
 
 struct Section {
@@ -50,7 +49,7 @@ fn sections() -> Vec<Section> {
         },
         lobes: Lobes {
             f0: 1.0,
-            // The least alpha there is.
+            // The least alpha.
             alpha: f64::from(roughness * roughness).max(0.001),
             ..Lobes::default()
         },
@@ -105,7 +104,8 @@ fn surfaces_in_an_even_sky_show_their_directional_albedo() {
     let sections = sections();
     let mut scene = stage();
     scene.environment.radiance = Vec3::ONE;
-    // Facets of one width as the camera sees them; it is so far away that all are seen along -z.
+    // To the camera the facets are equally wide; it is so far away that it sees all of them along
+    // -z.
     let mut corner = Vec3::ZERO;
     for angle in ANGLES {
         let along = Vec3::new(1.0, 0.0, -(angle.tan() as f32));
@@ -121,7 +121,7 @@ fn surfaces_in_an_even_sky_show_their_directional_albedo() {
     let middle = Vec3::new(0.5 * columns as f32, 0.5 * rows as f32, 0.0);
     let fov = 2.0 * (0.5 * rows as f32 / distance).atan();
     scene.cameras = vec![Camera::look_at(middle + Vec3::Z * distance, middle, fov)];
-    // Six pixels a cell, of which the inner four by four count.
+    // A cell has 6 x 6 pixels, of which the inner 4 x 4 count.
     let size = 6 * UVec2::new(columns, rows);
     let layers = traced(&scene, &ReferenceSettings { size, ..settings(1, 128) });
     for (column, angle) in ANGLES.into_iter().enumerate() {
@@ -136,7 +136,7 @@ fn surfaces_in_an_even_sky_show_their_directional_albedo() {
             assert!(seen.mean < 1.0 + 4.0 * seen.error + ROUNDING, "{what} makes light: {seen:?}");
         }
     }
-    // Any surface of a convex body gathers the whole sky. Its last facet ends within a column of
+    // Every facet of a convex body gathers the whole sky. The last facet ends within a column of
     // pixels.
     let inner: Vec<usize> =
         (0..layers.full.len()).filter(|pixel| layers.coverage[*pixel] == 1.0).collect();

@@ -1,5 +1,4 @@
-//! The path tracer's layers of visible surfaces equal the rasterizer's: the same materials,
-//! textures, lamps.
+//! Tests that the path tracer's layers of visible surfaces equal the rasterizer's.
 
 use glam::Vec2;
 use lumivox_scene::{Filter, Shading, Wrap};
@@ -28,7 +27,7 @@ fn pixels(renderer: &mut Renderer, view: View) -> Vec<[f32; 4]> {
     pollster::block_on(renderer.render(&mut |_| {})).expect("a picture").hdr
 }
 
-/// The differences of two layers, averaged over channels, of all pixels, sorted.
+/// The difference of two layers at each pixel, averaged over channels; sorted.
 fn differences(actual: &[[f32; 3]], expected: &[[f32; 4]]) -> Vec<f32> {
     let each = |(a, b): (&[f32; 3], &[f32; 4])| {
         a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f32>() / 3.0
@@ -42,8 +41,8 @@ fn mean_of(values: &[[f32; 3]]) -> f32 {
     values.iter().flatten().sum::<f32>() / (3 * values.len()) as f32
 }
 
-/// Half of the pixels, which show no edge, agree within `median`; all within `mean` on average: at
-/// edges the two pictures are made of different points.
+/// Asserts that half of the pixels, those without an edge, agree within `median`, and all pixels
+/// within `mean` on average: at edges the two pictures sample different points.
 #[track_caller]
 fn assert_alike(what: &str, actual: &[[f32; 3]], expected: &[[f32; 4]], median: f32, mean: f32) {
     let sorted = differences(actual, expected);
@@ -66,8 +65,8 @@ fn guide_layers_match_the_rasterizer() {
     let size = UVec2::new(48, 27);
     let layers = traced(&scene, &ReferenceSettings { size, ..settings(1, 128) });
     let mut renderer = renderer(&scene, size, 32);
-    // Half as much again as measured on llvmpipe: 0.010 and 0.029 for the albedo, where leaves,
-    // panes and edges alternate within a pixel. With more samples and frames it is less.
+    // 1.5 times the differences on llvmpipe: 0.010 and 0.029 for the albedo, where leaves, panes
+    // and edges alternate within a pixel. They fall with more samples and frames.
     let tolerances = |view| match view {
         View::Albedo => (0.015, 0.045),
         View::Normal => (0.001, 0.012),
@@ -84,7 +83,7 @@ fn guide_layers_match_the_rasterizer() {
         let filled: Vec<[f32; 4]> = shown.iter().map(|[.., a]| [*a; 4]).collect();
         assert_alike("coverage", &coverage, &filled, 0.001, 0.004);
     }
-    // Relative to how bright it is.
+    // Relative to the mean brightness.
     let shown = pixels(&mut renderer, View::Direct);
     let brightness = mean_of(&layers.direct);
     let scaled = |value: &f32| value / brightness;
@@ -95,8 +94,8 @@ fn guide_layers_match_the_rasterizer() {
     assert_alike("direct light", &direct, &shown, 0.03, 0.11);
 }
 
-/// Texels a third of a pixel and larger, beyond the edges of the texture, in all ways of wrapping
-/// and filtering.
+/// Texels of a third of a pixel and larger, inside and outside the texture, with all wrap modes and
+/// filters.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn textures_are_read_as_the_rasterizer_reads_them() {

@@ -1,8 +1,7 @@
-//! The path tracer against closed forms, against CPU twins of its parts, and against itself.
+//! Tests of the path tracer against closed forms, CPU versions of its parts, and itself.
 //!
-//! Means are compared within four times the standard error that the tracer itself reports: seeds
-//! are fixed, so a test passes or fails for good on one device, and on another it fails by chance
-//! once in 16,000 comparisons.
+//! Means are compared within four times the tracer's reported standard error. Seeds are fixed, so
+//! results on one device never change; on another, one of 16,000 comparisons fails by chance.
 
 mod bounces;
 mod brdf;
@@ -35,7 +34,7 @@ fn settings(edge: u32, samples: u32) -> ReferenceSettings {
     ReferenceSettings { size: UVec2::splat(edge), samples, ..ReferenceSettings::default() }
 }
 
-/// A tracer of a scene that is validated first, as those from files are.
+/// A tracer of a scene that is first validated, like scenes from files.
 fn tracer_with(
     scene: &Scene,
     settings: &ReferenceSettings,
@@ -68,8 +67,8 @@ fn traced(scene: &Scene, settings: &ReferenceSettings) -> ReferenceLayers {
     finish(tracer(scene, settings))
 }
 
-/// A mean over pixels and channels, and the standard deviation that it is uncertain by at most (it
-/// is less where channels differ).
+/// A mean over pixels and channels, and an upper bound of its standard error (less if the channels'
+/// errors are independent).
 #[derive(Clone, Copy, Debug)]
 struct Estimate {
     mean: f64,
@@ -81,11 +80,11 @@ fn mean(color: [f64; 3]) -> f64 {
     color.iter().sum::<f64>() / 3.0
 }
 
-/// Rounding of f32 along a path, relative.
+/// The relative rounding error of f32 along a path.
 const ROUNDING: f64 = 3e-5;
 
 impl Estimate {
-    /// Over the pixels with the given numbers.
+    /// The estimate over the pixels with the given indices.
     fn over(
         pixels: impl IntoIterator<Item = usize>,
         values: &[[f32; 3]],
@@ -133,7 +132,7 @@ impl Estimate {
     }
 }
 
-/// An empty scene, seen from z = 4 as in a square of 0.3 radians.
+/// An empty scene, seen from z = 4 with a square field of view of 0.3 radians.
 fn stage() -> Scene {
     let mut scene = Scene { name: "stage".to_owned(), ..Scene::default() };
     scene.cameras.push(Camera::look_at(Vec3::Z * 4.0, Vec3::ZERO, 0.3));
@@ -152,7 +151,7 @@ fn add(scene: &mut Scene, mesh: Mesh, material: Material) {
     });
 }
 
-/// A square before the camera of [`stage`], which fills the picture.
+/// A square that fills the picture of the camera of [`stage`].
 fn pane(z: f32) -> Mesh {
     quad(Vec3::Z * z, Vec3::X, Vec3::Y)
 }
@@ -166,7 +165,7 @@ fn texture(scene: &mut Scene, size: UVec2, filter: Filter, rgba8: Vec<u8>) -> Te
     TextureRef::new(scene.textures.len() - 1)
 }
 
-/// Shows one radiance, and reflects nothing.
+/// A material that emits `radiance` and reflects nothing.
 fn glowing(radiance: Vec3) -> Material {
     Material { emissive: radiance, ..Material::diffuse("glowing", Vec3::ZERO) }
 }

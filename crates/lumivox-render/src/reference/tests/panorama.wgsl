@@ -1,4 +1,4 @@
-// Draws directions from the panorama, and writes down their light and density.
+// Draws directions from the panorama, and writes their light and density.
 
 import package::render::reference::panorama::{draw_surroundings, surroundings};
 import package::render::reference::random::start_random;

@@ -1,5 +1,5 @@
-//! Rays against triangles: a plain loop on the CPU finds the same, and no ray slips through an
-//! edge.
+//! Tests of rays against triangles: hits equal those of a loop on the CPU, and no ray slips through
+//! an edge.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -33,11 +33,11 @@ fn query(origin: DVec3, direction: DVec3, sides: u32) -> Query {
     }
 }
 
-/// The hits of rays in a scene whose bounds have their middle in the origin.
+/// The hits of rays in a scene whose bounds are centred at the origin.
 fn ask(scene: &Scene, queries: &[Query]) -> Vec<Query> {
     let middle = scene.bounds().center().length();
     assert!(middle < 1e-6 * scene.bounds().radius_m(), "the middle is {middle} away");
-    // The film is the buffer that a kernel of this layout writes: large enough for all questions.
+    // Kernels of this layout write the film, so it must be large enough for all queries.
     let size = UVec2::new(64, queries.len().div_ceil(128) as u32);
     let tracer = tracer(scene, &ReferenceSettings { size, ..settings(1, 1) });
     let (device, queue) = (&tracer.gpu.device, &tracer.gpu.queue);
@@ -72,7 +72,7 @@ impl Random {
         ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// In the cube from -1 to 1.
+    /// A point in the cube from -1 to 1.
     fn point(&mut self) -> DVec3 {
         DVec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0
     }
@@ -89,8 +89,8 @@ fn soup(corners: Vec<Vec3>) -> Mesh {
     }
 }
 
-/// The nearest distance, and whether rounding may decide it: whether the ray passes an edge
-/// closely.
+/// The distance of the nearest hit, and whether rounding may decide it because the ray passes close
+/// to an edge.
 fn nearest(
     corners: &[Vec3],
     is_double_sided: impl Fn(usize) -> bool,
@@ -111,7 +111,7 @@ fn nearest(
         let beside = [(a, b), (b, c), (c, a)]
             .map(|(p, q)| (q - p).cross(point - p).dot(normal) / normal.length_squared());
         let least = beside.into_iter().fold(f64::INFINITY, f64::min);
-        // Ten times the tolerance of the shader.
+        // Ten times the shader's tolerance.
         let blur = 1e-5 * (1.0 + distance * (b - a).length().max((c - a).length()) / along.abs());
         is_close |= least.abs() < blur && distance < best;
         if least >= 0.0 {
@@ -149,7 +149,7 @@ fn ray_hits_match_a_brute_force_loop() {
     let mut corners = Vec::new();
     for index in 0..600 {
         let center = random.point();
-        // Triangles of all sizes; some are needles, and some have no area at all.
+        // Triangles of all sizes; some are needles, and some have no area.
         let size = 0.6 * random.next().powi(3) + 1e-3;
         let [a, b] = [random.point() * size, random.point() * size];
         let c = match index % 20 {
@@ -159,7 +159,7 @@ fn ray_hits_match_a_brute_force_loop() {
         };
         corners.extend([center, center + a, center + c].map(DVec3::as_vec3));
     }
-    // The corners of a box, so that its middle is known.
+    // Triangles in the corners of a box, so that the centre of the bounds is known.
     for sign in [-2.0, 2.0] {
         corners.extend([
             Vec3::splat(sign),
@@ -176,7 +176,7 @@ fn ray_hits_match_a_brute_force_loop() {
     add(&mut scene, soup(corners[3 * half..].to_vec()), two);
     let queries: Vec<Query> = (0..6000)
         .map(|index| {
-            // Along axes, too: zeros are their own case.
+            // Some directions are along axes: zeros are a special case.
             let mut direction = random.point();
             if index % 10 == 0 {
                 direction = DVec3::AXES[index / 10 % 3] * direction.x.signum();
@@ -188,8 +188,7 @@ fn ray_hits_match_a_brute_force_loop() {
     assert_twin("a soup", &scene, &corners, half, &queries);
 }
 
-/// Triangles that double in size, each within the next: a hierarchy of boxes is as deep as there
-/// are.
+/// Nested triangles that double in size: the hierarchy is as deep as their number.
 #[test]
 fn rays_traverse_very_deep_hierarchies() {
     let mut corners = Vec::new();
@@ -221,14 +220,14 @@ fn rays_traverse_very_deep_hierarchies() {
     assert_twin("nested", &scene, &corners, half, &queries);
 }
 
-/// From within a closed and finely cut sphere, towards its edges and corners, no ray gets out.
+/// No ray leaves a closed, finely divided sphere, even towards its edges and corners.
 #[test]
 fn no_ray_slips_through_an_edge() {
     let (rings, segments) = (128_u32, 256_u32);
     let mut mesh = Mesh::default();
     for ring in 0..=rings {
         for segment in 0..=segments {
-            // Equal to the bit where the seam closes and at the poles.
+            // Positions are bit-identical where the seam closes and at the poles.
             let polar = f64::from(ring) / f64::from(rings) * std::f64::consts::PI;
             let azimuth =
                 f64::from(segment % segments) / f64::from(segments) * std::f64::consts::TAU;
@@ -254,7 +253,7 @@ fn no_ray_slips_through_an_edge() {
             let triangle = triangles[(random.next() * triangles.len() as f64) as usize];
             let [a, b, _] = triangle.map(|corner| mesh.positions[corner].as_dvec3());
             let share = if index % 4 == 0 { 0.0 } else { random.next() };
-            // In f32, as rays of a picture have it.
+            // Rounded to f32, like the origins of a picture's rays.
             let origin = (0.97 / 3.0_f64.sqrt() * random.point()).as_vec3().as_dvec3();
             query(origin, a + share * (b - a) - origin, BOTH_SIDES)
         })

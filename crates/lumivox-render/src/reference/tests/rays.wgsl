@@ -1,4 +1,4 @@
-// Answers questions to `intersect`, in place.
+// Runs `intersect` for each query, and writes the hit in place.
 
 import package::render::reference::intersect::{intersect, Ray};
 
@@ -6,7 +6,7 @@ struct Query {
     origin: vec3f,
     sides: u32,
     direction: vec3f,
-    // The reach, then where something is met.
+    // Input: the reach. Output: the distance of the hit.
     distance: f32,
     weights: vec2f,
     triangle: u32,

@@ -1,4 +1,4 @@
-//! Scenes that are hard on arithmetic leave no pixel undefined.
+//! Tests that numerically difficult scenes leave no pixel undefined.
 
 use lumivox_scene::{AlphaMode, Filter, Shading};
 
@@ -20,8 +20,8 @@ fn a_fully_transparent_scene_shows_its_surroundings() {
     assert!(layers.coverage.iter().chain(&layers.occlusion).all(|share| *share == 0.0));
 }
 
-/// Beside the cone of a round spot light and beyond the range of a lamp, directions meet discs that
-/// send nothing.
+/// Outside a spot light's cone and beyond a lamp's range, sampled directions hit discs that send no
+/// light.
 #[test]
 fn round_lamps_out_of_reach_add_no_light() {
     let mut scene = stage();
@@ -43,13 +43,14 @@ fn round_lamps_out_of_reach_add_no_light() {
     }
 }
 
-/// Within a lamp, in its middle, and where normals and tangents are undefined.
+/// Points inside a lamp, at its centre, and with undefined normals and tangents.
 #[test]
 fn degenerate_normals_and_lamp_centres_stay_finite() {
     let mut scene = stage();
     scene.environment.radiance = Vec3::ONE;
     let mut opposed = pane(0.0);
-    // They cancel out along a line of the picture, and at one corner there is none.
+    // Interpolated normals cancel out along a line of the picture; the tangents are parallel to
+    // them.
     opposed.normals = vec![Vec3::Y, Vec3::NEG_Y, Vec3::Y, Vec3::NEG_Y];
     opposed.tangents = vec![Vec3::Y.extend(1.0); 4];
     let mut material = Material::diffuse("wall", Vec3::splat(0.5));
@@ -60,7 +61,7 @@ fn degenerate_normals_and_lamp_centres_stay_finite() {
     scene.lights = vec![point_light(Vec3::ZERO, 1.0, 0.3), point_light(Vec3::Z * 0.1, 1.0, 0.0)];
     let layers = traced(&scene, &settings(9, 16));
     assert!(layers.coverage.iter().all(|share| *share == 1.0));
-    // Needles without a normal are not there.
+    // Needles without a normal do not exist.
     let mut scene = stage();
     scene.environment.radiance = Vec3::ONE;
     let mut needles = pane(0.0);

@@ -1,4 +1,5 @@
-//! Results are equal to the bit, however they are traced; and pictures are equal at any scale.
+//! Tests that results are bit-identical, however they are traced, and that pictures are equal at
+//! any scale.
 
 use std::ops::ControlFlow;
 
@@ -31,7 +32,7 @@ fn bands_and_interruptions_do_not_change_the_bits() {
     assert_eq!(last, 40.0);
     assert!(whole == banded.layers(), "bands differ");
 
-    // Between batches nothing is lost, and the rest is the same to the bit.
+    // A break between batches does not change a bit.
     let mut first = tracer(&scene, &small());
     let mut go_on = |_| ControlFlow::Continue(());
     let is_more = pollster::block_on(first.render_batch(&mut go_on)).expect("a reference");
@@ -52,12 +53,12 @@ fn a_stopped_render_drops_incomplete_samples() {
     pollster::block_on(whole.render(&mut { after_20 })).expect("a reference");
     assert_eq!(whole.samples(), 20);
     assert_eq!(whole.layers().samples, 20);
-    // The first bands have samples that the last have not: they are dropped.
+    // Samples that only the first bands have are dropped.
     let mut banded = tracer(&scene, &small());
     banded.uploaded.band_rows = 3;
     pollster::block_on(banded.render(&mut { after_20 })).expect("a reference");
     assert_eq!(banded.samples(), 16);
-    // At the end of a batch all is there, and the wish to stop is heard as well.
+    // At the end of a batch all samples are complete, and tracing can stop, too.
     let after_16 = |progress: super::super::ReferenceProgress| {
         if progress.samples >= 16.0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
@@ -101,7 +102,7 @@ fn checkpoints_of_other_scenes_or_settings_are_refused() {
     assert!(refused(&painted, &small()));
 }
 
-/// A power of two changes only exponents, so all that does not depend on the unit of radiance is
+/// Powers of two change only exponents, so layers that do not depend on the unit of radiance are
 /// unchanged.
 #[test]
 #[ignore = "slow: over three seconds"]
@@ -121,7 +122,7 @@ fn scaling_the_scene_does_not_change_the_result() {
         let depth: Vec<f32> = layers.depth_m.iter().map(|depth| depth / factor).collect();
         assert_eq!(depth, whole.depth_m);
         assert_eq!(layers.albedo, whole.albedo);
-        // Rays turn where rounding decides, in one path of thousands.
+        // Rounding changes one path in thousands.
         Estimate::radiance(&layers).assert_near("scaled", Estimate::radiance(&whole));
         let same = layers.radiance.iter().zip(&whole.radiance).filter(|(a, b)| a == b).count();
         println!("{factor}: {same} of {} pixels to the bit", whole.radiance.len());
@@ -129,7 +130,7 @@ fn scaling_the_scene_does_not_change_the_result() {
     }
 }
 
-/// Parts of several tracers add up to the bits of one, whatever their order.
+/// Parts of several tracers, added in any order, have the bits of a single run.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn merged_parts_equal_one_whole_run() {

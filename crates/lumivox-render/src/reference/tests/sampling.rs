@@ -1,4 +1,4 @@
-//! Drawn directions follow the density that is returned, and `scatter` is the BRDF.
+//! Tests that sampled directions have the returned density, and that `scatter` is the BRDF.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, UVec2, Vec3};
@@ -38,8 +38,8 @@ struct Drawn {
     padding: f32,
 }
 
-/// A surface, the cosine that it is seen under, and the tilt of its true normal against that it is
-/// shaded with.
+/// A surface, the cosine at which it is seen, and the angle between its geometric and shading
+/// normals.
 struct Seen {
     what: &'static str,
     lobes: Lobes,
@@ -56,7 +56,7 @@ impl Seen {
         direction.z > 0.0 && direction.dot(self.geometric()) > 0.0
     }
 
-    /// The narrowest lobe.
+    /// The alpha of the narrowest lobe.
     fn least_alpha(&self) -> f64 {
         let coat = if self.lobes.coat_strength > 0.0 { self.lobes.coat_alpha } else { 1.0 };
         let gloss = if self.lobes.f0 > 0.0 { self.lobes.alpha } else { 1.0 };
@@ -125,10 +125,11 @@ fn draw(surfaces: &[Seen]) -> Vec<Drawn> {
     pollster::block_on(read_buffer(&gpu.device, &gpu.queue, &drawn, 0..bytes)).expect("directions")
 }
 
-/// Cells of equal solid angle over the hemisphere, and one for all that lies below the surface.
+/// Cells of equal solid angle over the hemisphere; one more is for all directions below the
+/// surface.
 const ROWS: usize = 24;
 const COLUMNS: usize = 24;
-/// Points of a cell along an edge at which the density is looked up.
+/// Points along each edge of a cell at which the density is evaluated.
 const FINE: usize = 24;
 
 fn cell(direction: DVec3) -> usize {
@@ -137,7 +138,7 @@ fn cell(direction: DVec3) -> usize {
     row * COLUMNS + ((turn * COLUMNS as f64) as usize).min(COLUMNS - 1)
 }
 
-/// How many of the draws are expected in each cell.
+/// The expected number of draws in each cell.
 fn expected_counts(seen: &Seen) -> Vec<f64> {
     let view = at_cosine(seen.cosine);
     let point_sr = std::f64::consts::TAU / (ROWS * COLUMNS * FINE * FINE) as f64;
@@ -155,13 +156,13 @@ fn expected_counts(seen: &Seen) -> Vec<f64> {
             }
         }
     }
-    // The rest of the probability is below the surface, where nothing is scattered.
+    // All other directions are below the surface, where nothing is scattered.
     counts[ROWS * COLUMNS] = f64::from(DRAWS) - counts.iter().sum::<f64>();
     counts
 }
 
-/// Pearson's statistic in standard deviations from its mean; cells of less than ten are taken
-/// together.
+/// Pearson's statistic in standard deviations from its mean; cells with fewer than ten draws are
+/// merged.
 fn chi_squared_sigmas(counts: &[f64], expected: &[f64]) -> f64 {
     let (mut statistic, mut freedom) = (0.0, -1.0);
     let (mut count, mut wanted) = (0.0, 0.0);
@@ -186,7 +187,7 @@ fn sampled_directions_match_their_reported_density() {
     for (seen, drawn) in surfaces.iter().zip(all.chunks_exact(DRAWS as usize)) {
         let what = seen.what;
         let view = at_cosine(seen.cosine);
-        // f32 knows n.h to a few 2^-24, and D divides by alpha^2.
+        // In f32, n.h has an error of a few 2^-24, and D divides by alpha^2.
         let tolerance = 1e-3 + 1e-6 / seen.least_alpha().powi(2);
         let mut counts = vec![0.0; ROWS * COLUMNS + 1];
         let (mut sum, mut squares, mut worst) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -206,7 +207,7 @@ fn sampled_directions_match_their_reported_density() {
             assert!(density > 0.0 && value.is_finite(), "{what}: {value} of {density}");
             sum += value / density;
             squares += (value / density).powi(2);
-            // Near the horizon f32 loses the cosine.
+            // Near the horizon, the cosine is imprecise in f32.
             if direction.z > 1e-3 {
                 let differs = |actual: f64, twin: f64| (actual / twin - 1.0).abs();
                 worst = worst.max(differs(value, seen.lobes.value(view, direction)));
@@ -214,7 +215,7 @@ fn sampled_directions_match_their_reported_density() {
             }
         }
         assert!(tolerance > 0.1 || worst < tolerance, "{what}: off its twin by {worst}");
-        // Cells would have to be finer than a mirror's lobe.
+        // Cells are coarser than a mirror's lobe.
         let sigmas = if seen.least_alpha() < 0.02 {
             0.0
         } else {
@@ -222,7 +223,7 @@ fn sampled_directions_match_their_reported_density() {
         };
         let below = counts[ROWS * COLUMNS] / f64::from(DRAWS);
         println!("{what}: {sigmas:+.1} sigma, {below:.4} below, off its twin by {worst:.1e}");
-        // The tail of chi squared is longer than a normal one's.
+        // Chi squared has a longer tail than the normal distribution.
         assert!(sigmas < 5.0, "{what}: chi squared is {sigmas} sigma above its mean");
         if seen.tilt_rad <= 0.0 {
             let n = f64::from(DRAWS);
@@ -250,7 +251,7 @@ fn the_panorama_is_drawn_in_proportion_to_its_light() {
     let size = UVec2::new(64, 32);
     let tracer = tracer(&scene, &ReferenceSettings { size, ..settings(1, 1) });
 
-    // Into the film: that is the buffer that a kernel of this layout writes.
+    // The kernel writes into the film, the output buffer of this layout.
     let mut shaders = crate::shaders::library(&library_with_volume(
         VolumeKind::default(),
         Directionality::default(),
@@ -279,7 +280,7 @@ fn the_panorama_is_drawn_in_proportion_to_its_light() {
         (0..width * height).map(|index| power(index) / whole * drawn.len() as f64).collect();
     let mut counts = vec![0.0; expected.len()];
     for [x, y, z, density, r, g, b, _] in drawn.into_iter().map(|one| one.map(f64::from)) {
-        // The renderer's sense of rotation: the map turns with the angle about y.
+        // As in the renderer, the map is turned about y by the angle.
         let (sine, cosine) = f64::sin_cos(f64::from(scene.environment.rotation_rad));
         let (x, z) = (cosine * x - sine * z, sine * x + cosine * z);
         let across = 0.5 + x.atan2(-z) / std::f64::consts::TAU;
@@ -288,7 +289,7 @@ fn the_panorama_is_drawn_in_proportion_to_its_light() {
         let (row, column) = (at(down, height), at(across, width));
         let index = row * width + column;
         counts[index as usize] += 1.0;
-        // At the edge of a texel, f64 and f32 may take two sides.
+        // At a texel's edge, f64 and f32 may select different texels.
         let is_inside = |share: f64, count: u32| {
             let fraction = (share * f64::from(count)).fract();
             (1e-4..1.0 - 1e-4).contains(&fraction)

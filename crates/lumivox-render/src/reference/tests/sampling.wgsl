@@ -1,4 +1,4 @@
-// Draws directions from surfaces and writes down what `scatter` returns for them.
+// Draws directions from surfaces, and writes the results of `scatter`.
 
 import package::render::reference::random::start_random;
 import package::render::reference::scatter::{draw_direction, scatter, Surface};

@@ -1,4 +1,4 @@
-//! Lux meters and luminance meters against closed forms, and against pictures.
+//! Tests of lux meters and luminance meters against closed forms and pictures.
 
 use super::*;
 use crate::RenderError;
@@ -26,7 +26,7 @@ fn assert_reads(reading: &Reading, expected: f64) {
     Estimate { mean: reading.value.into(), error }.assert_is("a reading", expected);
 }
 
-/// A black floor below a lamp: the inverse square times the cosine, without noise; nothing from
+/// A lamp above a black floor: the inverse square times the cosine, without noise; no light from
 /// below.
 #[test]
 fn lamp_readings_follow_distance_and_cosine() {
@@ -45,7 +45,7 @@ fn lamp_readings_follow_distance_and_cosine() {
     assert_reads(&readings[2], 300.0 / 0.25);
 }
 
-/// Half of a sky above a black floor lights a wall's side; colours weigh as luminance does.
+/// A vertical sensor above a black floor sees half of the sky; values are luminances of colours.
 #[test]
 fn sky_readings_follow_the_visible_hemisphere_share() {
     let mut scene = stage();
@@ -66,7 +66,7 @@ fn sky_readings_follow_the_visible_hemisphere_share() {
     assert!((g / r - 2.0).abs() < 1e-3 && (b / r - 4.0).abs() < 1e-3, "{r} {g} {b}");
     assert_eq!(readings[0].direct, [0.0; 3], "a sky is no lamp");
     assert!((readings[1].openness - 0.5).abs() < 0.05);
-    // The floor ends at 500 m, 1 cm below: no more than 1e-4 of the sky is seen below the horizon.
+    // The floor ends at 500 m, 1 cm below: at most 1e-4 of the sky is visible below the horizon.
     let half = 0.5 * std::f64::consts::PI * luminance;
     let error = f64::from(readings[1].standard_error);
     Estimate { mean: readings[1].value.into(), error }
@@ -75,7 +75,7 @@ fn sky_readings_follow_the_visible_hemisphere_share() {
     assert_eq!(readings[3].value, 0.0);
 }
 
-/// A sensor on a floor reads what the picture of that floor has, from all bounces.
+/// Sensors on surfaces read the light of pictures of these surfaces, with all bounces.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn sensors_agree_with_pictures() {
@@ -95,7 +95,7 @@ fn sensors_agree_with_pictures() {
     let settings = MeterSettings { samples: 512, ..Default::default() };
     let readings = readings(&scene, &sensors, settings);
     for (number, (at, direction, ..)) in seen.into_iter().enumerate() {
-        // A picture of one pixel that is a thousandth of a radian wide.
+        // A picture of one pixel, a thousandth of a radian wide.
         let narrow = Camera::look_at(at, at + direction, 1e-3);
         let settings = ReferenceSettings { size: UVec2::ONE, ..super::settings(1, 512) };
         let gpu = gpu();
@@ -104,7 +104,7 @@ fn sensors_agree_with_pictures() {
         let lux = |[r, g, b]: [f32; 3]| {
             f64::from(0.2126 * r) + f64::from(0.7152 * g) + f64::from(0.0722 * b)
         };
-        // The full layer has no light straight from lamps.
+        // The full layer excludes direct light from lamps.
         let pixel =
             Estimate { mean: lux(layers.full[0]), error: layers.full_variance[0].sqrt().into() };
         let reading = &readings[number];
@@ -118,7 +118,7 @@ fn sensors_agree_with_pictures() {
     }
 }
 
-/// Other seeds differ by the reported standard error.
+/// Readings with different seeds differ by the reported standard error.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn the_standard_error_matches_repeated_runs() {
@@ -135,8 +135,8 @@ fn the_standard_error_matches_repeated_runs() {
             each.iter().map(|seed| f64::from(seed[number].standard_error).powi(2)).sum::<f64>()
                 / 12.0;
         println!("spread {} told {}", spread.sqrt(), told.sqrt());
-        // The ratio of two variances with 11 and 180 degrees of freedom is within these bounds 999
-        // times of 1000.
+        // In 999 of 1000 cases, the ratio of variances with 11 and 180 degrees of freedom is within
+        // these bounds.
         assert!((0.2..3.0).contains(&(spread / told)), "{spread} {told}");
     }
 }

@@ -1,4 +1,4 @@
-//! Ways of finding the same light agree, and those that the tracer uses leave less noise.
+//! Tests that different techniques find the same light, and that the tracer's leave less noise.
 
 use lumivox_scene::{EnvironmentMap, Filter, MetallicRoughness, Shading};
 
@@ -16,7 +16,7 @@ fn glossy(color: Vec3, metallic: f32, roughness: f32) -> Material {
     }
 }
 
-/// A floor of gloss over paint and a metal wall, seen from above at an angle.
+/// A floor with gloss over paint, and a metal wall, seen obliquely from above.
 fn corner() -> Scene {
     let mut scene = stage();
     let floor = quad(Vec3::ZERO, Vec3::X, Vec3::NEG_Z);
@@ -27,7 +27,7 @@ fn corner() -> Scene {
     scene
 }
 
-/// Both find the same; the second with less noise.
+/// Asserts that both find the same light, the second with less noise.
 #[track_caller]
 fn assert_better(what: &str, by_chance: &ReferenceLayers, asked: &ReferenceLayers, gain: f64) {
     for (layer, of) in
@@ -56,10 +56,10 @@ fn hit_and_sampled_emitters_give_equal_light() {
     let settings = settings(16, 256);
     let by_chance =
         tracer_with(&scene, &settings, |features| Features { has_emitters: false, ..features });
-    // Four times the samples: chance leaves more noise still.
+    // Even with four times the samples, chance leaves more noise.
     let by_chance = finish(by_chance);
     assert_better("emitters", &by_chance, &asked, 1.0);
-    // The best of many points, as where emitters are thousands.
+    // The best of many points, as with thousands of emitters.
     let best = tracer_with(&scene, &self::settings(16, 64), |features| Features {
         candidates: 16,
         ..features
@@ -89,7 +89,7 @@ fn hit_and_sampled_panoramas_give_equal_light() {
     assert_better("panorama", &finish(by_chance), &asked, 1.0);
 }
 
-/// A lamp with a radius sends the light of a glowing sphere of its size and power: to paint and in
+/// A lamp with a radius gives the light of a glowing sphere of its size and power, also in
 /// reflections.
 #[test]
 fn a_round_lamp_equals_a_glowing_sphere() {
@@ -101,12 +101,11 @@ fn a_round_lamp_equals_a_glowing_sphere() {
     let corners = |triangle: [usize; 3]| triangle.map(|index| 0.5 * mesh.positions[index]);
     let of = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(c - a).length();
     let area: f32 = mesh.triangles().map(corners).map(of).sum();
-    // A convex body is seen with a fourth of its area on average (Cauchy 1841).
+    // The mean projected area of a convex body is a quarter of its surface (Cauchy 1841).
     let intensity_cd = radiance * area / 4.0;
-    // The sphere itself is above the picture, and is not hit by light from floor to wall: one
-    // gather.
+    // The sphere is above the picture; with one gather it does not block light from floor to wall.
     let settings = ReferenceSettings { bounces: Some(1), ..settings(24, 64) };
-    // The floor's highlight is in the middle: there both asking and chance find the lamp.
+    // The floor's highlight is in the middle: both techniques find the lamp there.
     scene.cameras = vec![Camera::look_at(Vec3::new(0.3, 1.6, 2.2), Vec3::new(0.2, 0.0, 0.5), 0.35)];
     let mut by_mesh = scene.clone();
     add(&mut by_mesh, mesh, glowing(Vec3::splat(radiance)));
@@ -114,13 +113,13 @@ fn a_round_lamp_equals_a_glowing_sphere() {
     let by_mesh = traced(&by_mesh, &ReferenceSettings { bounces: Some(1), ..settings.clone() });
     scene.lights = vec![point_light(center, intensity_cd, radius_m)];
     let by_lamp = traced(&scene, &ReferenceSettings { bounces: Some(0), ..settings });
-    // The light that corners lose: a thousandth.
+    // Corners lose a thousandth of the light.
     let mesh = Estimate::radiance(&by_mesh);
     let mesh = Estimate { error: mesh.error.hypot(2.5e-4 * mesh.mean), ..mesh };
     Estimate::radiance(&by_lamp).assert_near("a round lamp", mesh);
 }
 
-/// One bright texel lights a floor as a sun in its middle, of its irradiance.
+/// One bright texel lights a floor like a sun of the same irradiance in its centre.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_bright_texel_lights_like_a_sun() {

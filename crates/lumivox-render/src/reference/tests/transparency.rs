@@ -1,11 +1,11 @@
-//! The light that passes, in which share and colour; and which side of a surface is there.
+//! Tests of the share and colour of transmitted light, and of the visible sides of surfaces.
 
 use glam::Vec4;
 use lumivox_scene::{AlphaMode, Filter, MetallicRoughness, Shading, Transmission};
 
 use super::*;
 
-/// Pixels of a cell of the picture along an edge, and how many cells there are.
+/// Pixels along each edge of a cell of the picture, and cells along each edge of the picture.
 const CELL: u32 = 6;
 const CELLS: u32 = 3;
 
@@ -17,7 +17,7 @@ fn blended(radiance: Vec3, alpha: f32) -> Material {
     material
 }
 
-/// Thin glass that nothing is reflected by.
+/// Thin glass without reflection.
 fn glass(color: Vec3, factor: f32) -> Material {
     let shading = MetallicRoughness {
         base_color: color.extend(1.0),
@@ -32,7 +32,7 @@ fn glass(color: Vec3, factor: f32) -> Material {
     }
 }
 
-/// Holes in half of it.
+/// A leaf with holes in half of its area.
 fn leaf(scene: &mut Scene) -> Material {
     let texels = [255, 0, 0, 255].into_iter().flat_map(|alpha| [255, 255, 255, alpha]);
     let checker = texture(scene, UVec2::splat(2), Filter::Nearest, texels.collect());
@@ -43,7 +43,7 @@ fn leaf(scene: &mut Scene) -> Material {
     leaf
 }
 
-/// The middle of a cell, of cells of one metre around the origin; x to the right, y up.
+/// The centre of a cell; cells of one metre are centred around the origin, x to the right, y up.
 fn middle(cell: u32) -> Vec3 {
     let at = |index: u32| index as f32 - 0.5 * (CELLS - 1) as f32;
     Vec3::new(at(cell % CELLS), -at(cell / CELLS), 0.0)
@@ -60,7 +60,7 @@ fn cell_pixels(cell: u32) -> impl Iterator<Item = usize> {
 fn assert_cell(what: &str, layers: &[[f32; 3]], variances: &[f32], cell: u32, expected: Vec3) {
     let seen = Estimate::over(cell_pixels(cell), layers, variances);
     seen.assert_is(what, mean(expected.as_dvec3().to_array()));
-    // Channels of their own: none has more than three times the mean variance.
+    // Single channels: none has more than three times the mean variance.
     for channel in 0..3 {
         let alone = |value: &[f32; 3]| [value[channel]; 3];
         let values: Vec<[f32; 3]> = layers.iter().map(alone).collect();
@@ -81,7 +81,7 @@ fn panes_show_the_background_in_proportion_to_transparency() {
     add(&mut scene, quad(Vec3::NEG_Z * 2.0, Vec3::X * 4.0, Vec3::Y * 4.0), glowing(behind));
     let square = |cell: u32, z: f32| quad(middle(cell) + Vec3::Z * z, Vec3::X * 0.5, Vec3::Y * 0.5);
     let back = |cell: u32| quad(middle(cell), Vec3::NEG_X * 0.5, Vec3::Y * 0.5);
-    // Two panes of a half, one before the other.
+    // Two panes with a coverage of a half, one in front of the other.
     add(&mut scene, square(0, 0.0), blended(before, 0.5));
     add(&mut scene, square(0, 0.01), blended(before, 0.5));
     let mut faint = square(1, 0.0);
@@ -94,14 +94,14 @@ fn panes_show_the_background_in_proportion_to_transparency() {
     add(&mut scene, square(3, 0.0), glass(red, 0.8));
     add(&mut scene, back(4), glowing(before));
     add(&mut scene, back(5), Material { double_sided: true, ..glowing(before) });
-    // Mirrored: a front stays one.
+    // Mirrored: its front remains the front.
     add(&mut scene, square(6, 0.0), glowing(before));
     let mirror = Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
     let there = Mat4::from_translation(Vec3::X * 2.0 * middle(6).x);
     if let Some(instance) = scene.instances.last_mut() {
         instance.world_from_local = there * mirror;
     }
-    // Nothing is there below the cutoff, whatever it is.
+    // Below the cutoff the surface does not exist.
     let mut gone = blended(before, 0.4);
     gone.alpha = AlphaMode::Mask { cutoff: 0.5 };
     add(&mut scene, square(7, 0.0), gone.clone());
@@ -138,7 +138,7 @@ fn shadow_depth_follows_the_casters_opacity() {
     let leaf = leaf(&mut scene);
     let white = Material::diffuse("wall", Vec3::ONE);
     add(&mut scene, quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::Y * 4.0), white);
-    // A wall, seen and lit along z. The things that cast shadows are behind the camera.
+    // A wall, seen and lit along z. The casters of shadows are behind the camera.
     let square = |cell: u32, z: f32| quad(middle(cell) + Vec3::Z * z, Vec3::X * 0.5, Vec3::Y * 0.5);
     let turned =
         |cell: u32, z: f32| quad(middle(cell) + Vec3::Z * z, Vec3::NEG_X * 0.5, Vec3::Y * 0.5);
@@ -153,7 +153,7 @@ fn shadow_depth_follows_the_casters_opacity() {
     add(&mut scene, square(3, 9.0), glass(green, 0.7));
     add(&mut scene, square(4, 9.0), glass(green, 1.0));
     add(&mut scene, square(4, 9.1), glass(Vec3::new(1.0, 0.5, 0.5), 1.0));
-    // Both sides of solid things cast shadows, even where one of them is not seen.
+    // Both sides of solid surfaces cast shadows, even if one side is invisible.
     add(&mut scene, square(5, 9.0), glowing(black));
     add(&mut scene, turned(6, 9.0), glowing(black));
     add(&mut scene, square(7, 9.0), glass(green, 1.0));

@@ -5,7 +5,7 @@ fn defaults() -> RenderSettings {
     RenderSettings::default()
 }
 
-/// Values at the ends of what a parameter allows, and just beyond them.
+/// Values at the ends of a parameter's range, and values just outside.
 fn ends(kind: Kind) -> (Vec<Value>, Vec<Value>) {
     match kind {
         Kind::Switch => (vec![Value::Switch(true), Value::Switch(false)], vec![]),
@@ -31,7 +31,7 @@ fn ends(kind: Kind) -> (Vec<Value>, Vec<Value>) {
     }
 }
 
-/// Whether a renderer would take the settings, as far as that shows without a device or a scene.
+/// Whether the settings are valid, as far as can be checked without a device or a scene.
 fn is_valid(settings: &RenderSettings) -> bool {
     let limits = wgpu::Limits { max_texture_dimension_2d: 32_768, ..wgpu::Limits::default() };
     let (low, high) = (glam::Vec3::ZERO, glam::Vec3::ONE);
@@ -68,7 +68,7 @@ fn a_parameter_changes_nothing_but_itself() {
     for parameter in PARAMETERS.iter() {
         let mut settings = defaults();
         parameter.set(&mut settings, parameter.get(&defaults())).expect("the default");
-        // An option of the octree asks for one.
+        // Setting an option of the octree also selects the octree.
         if parameter.needs.is_none() {
             assert_eq!(settings, defaults(), "{parameter:?}");
         }
@@ -90,7 +90,7 @@ fn parameter_ranges_match_the_renderers_checks() {
         let (within, beyond) = ends(parameter.kind);
         for value in within {
             let mut settings = defaults();
-            // Views of an octree need one, and views of earlier frames need them.
+            // Some views need an octree, and some need light of earlier frames.
             settings.volume = VolumeKind::Octree;
             settings.trace.temporal = true;
             parameter.set(&mut settings, value).expect("in range");
@@ -100,7 +100,7 @@ fn parameter_ranges_match_the_renderers_checks() {
             let mut settings = defaults();
             parameter.set(&mut settings, value).expect_err("out of range");
             parameter.write(&mut settings, value);
-            // A memory cannot be less than none.
+            // Every `u64` is a valid volume memory.
             if parameter.name != "volume_memory" {
                 assert!(!is_valid(&settings), "{parameter:?} {value}");
             }
@@ -127,12 +127,12 @@ fn errors_of_bad_values_list_valid_ones() {
     assert_eq!(Parameter::find("nothing").map(|p| p.name), None);
 }
 
-/// The lines of a value as Rust's debugger shows it, one for each field.
+/// The lines of the settings' debug output, one for each field.
 fn fields(settings: &RenderSettings) -> Vec<String> {
     format!("{settings:#?}").lines().map(str::to_owned).collect()
 }
 
-/// A field that no row writes could not be set, and a change of it would redo nothing.
+/// Without a row, a field could not be set, and a change of it would redo nothing.
 #[test]
 fn every_settings_field_has_a_parameter_row() {
     let defaults = RenderSettings { volume: VolumeKind::Octree, ..defaults() };
@@ -154,14 +154,14 @@ fn every_settings_field_has_a_parameter_row() {
         shown.iter().zip(is_written).filter(|(_, is)| !is).map(|(l, _)| l.trim()).collect();
     let names = left.iter().filter_map(|line| line.strip_suffix(',')?.split_once(": "));
     let names: Vec<&str> = names.map(|(name, _)| name).collect();
-    // The numbers of vectors have lines of their own.
+    // In the output, each number of a vector has its own line.
     let numbers: Vec<&str> = left
         .iter()
         .copied()
         .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()))
         .collect();
-    // Fields of the caller: the picture's size, the box of the grid, hooks and the look (their rows
-    // are defined with them), the lines that it draws, and whether times are measured.
+    // Fields without rows here: the picture's size, the grid's box, hooks and the look (their rows
+    // are defined with them), other views, lines, and timing.
     let of_caller = [
         "grid_bounds",
         "octree_builder",
