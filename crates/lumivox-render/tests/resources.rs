@@ -1,6 +1,6 @@
 //! A dropped renderer frees its GPU resources, and a change frees those that it replaces.
 //!
-//! Alone in a program of its own: the count is of the whole process.
+//! In a separate program, because resources are counted for the whole process.
 
 #[allow(dead_code, unused_imports)] // The tests of `it` use the rest.
 #[path = "it/common/mod.rs"]
@@ -30,7 +30,7 @@ fn small() -> RenderSettings {
     }
 }
 
-/// Settings that make other things, by what they change.
+/// Settings that create other resources, by the name of the change.
 fn variants() -> Vec<(&'static str, RenderSettings)> {
     let octree = VolumeKind::Octree;
     let overlay = Overlay {
@@ -81,9 +81,9 @@ fn resident_bytes() -> Option<u64> {
     Some(4096 * pages.split(' ').nth(1)?.parse::<u64>().ok()?)
 }
 
-/// A driver may keep some memory for each draw: with uniforms that decide branches, Mesa 22.3 kept
-/// 10 MB for a frame of this scene. It did so with all features of the device that the command line
-/// enables, and not within WebGPU's limits.
+/// Drivers may leak memory for each draw: if uniforms decide branches, Mesa 22.3 leaks 10 MB per
+/// frame of this scene, but only with the device features that the command line enables, not within
+/// WebGPU's limits.
 fn frames_leave_nothing_in_memory() {
     let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a GPU adapter");
     for view in [View::Final, View::Normal] {
@@ -124,7 +124,7 @@ fn renderers_and_changed_settings_leak_no_gpu_resources() {
             held
         })
         .collect();
-    // One renderer through all of them.
+    // One renderer with all settings in turn.
     let mut changing = renderer(&gpu, &scene, small());
     picture(&mut changing);
     for ((name, settings), fresh) in variants().iter().zip(&fresh) {
@@ -132,7 +132,7 @@ fn renderers_and_changed_settings_leak_no_gpu_resources() {
         picture(&mut changing);
         let now = LiveResources::now();
         assert_eq!(now.textures, fresh.textures, "after {name}");
-        // Targets that cones were ever traced into keep a uniform.
+        // Targets keep a uniform buffer once cones were traced.
         let buffers = fresh.buffers..=fresh.buffers + 1;
         assert!(buffers.contains(&now.buffers), "after {name} {now:?}, a new one has {fresh:?}");
         let spare = now.buffer_bytes.abs_diff(fresh.buffer_bytes);
@@ -140,7 +140,7 @@ fn renderers_and_changed_settings_leak_no_gpu_resources() {
     }
     let once = LiveResources::now();
 
-    // Things move, materials and lights change.
+    // Objects move; materials and lights change.
     let moved = |step: u8| {
         let mut scene = scene.clone();
         let shift = glam::Mat4::from_translation(Vec3::X * 0.01 * f32::from(step));
@@ -157,7 +157,7 @@ fn renderers_and_changed_settings_leak_no_gpu_resources() {
         let now = LiveResources::now();
         assert_eq!((now.buffers, now.textures), (once.buffers, once.textures), "step {step}");
     }
-    // All resources of the device were counted: others would never be destroyed.
+    // All resources of the device must be counted: uncounted ones would leak unnoticed.
     gpu.wait("rendering").expect("a device");
     let live = LiveResources::now();
     if let Some(allocated) = allocations(&gpu) {

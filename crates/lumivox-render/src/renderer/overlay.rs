@@ -117,7 +117,7 @@ impl Renderer {
     fn shown(&self) -> Shown {
         let Self { settings, .. } = self;
         let mut overlay = settings.overlay.clone();
-        // In views of voxels there are no surfaces to hide.
+        // Views of voxels have no surfaces to hide.
         overlay.hides_surfaces &= !settings.view.is_of_voxels();
         let voxel_level = settings.voxel_level.min(self.gi.grid().level_count() - 1);
         Shown { overlay, voxel_level }

@@ -1,5 +1,4 @@
-//! Cascades in pictures: they follow the camera, and what they show is that of a new renderer
-//! there.
+//! Tests that cascades follow the camera, and then give the picture of a new renderer.
 
 use glam::{Mat4, UVec2, Vec3};
 use lumivox::{CascadeOptions, TraceSettings, VolumeKind};
@@ -33,7 +32,7 @@ fn new_picture(gpu: &Gpu, scene: &Scene, camera: &Camera, settings: &RenderSetti
     picture(&mut pollster::block_on(new).expect("a renderer"))
 }
 
-/// A still picture after the camera has moved is that of a new renderer, to the bit.
+/// After the camera has moved, a still picture is bit-identical to a new renderer's.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_moved_camera_matches_a_fresh_renderer() {
@@ -50,8 +49,8 @@ fn a_moved_camera_matches_a_fresh_renderer() {
     assert!(shown.hdr == new_picture(&gpu, &scene, &camera, &settings).hdr);
 }
 
-/// In motion the boxes follow frame by frame, and the light settles at that of a new renderer; it
-/// is never far from it on the way.
+/// The boxes follow a moving camera frame by frame. Afterwards, light stays near that of a new
+/// renderer.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn cascades_follow_a_moving_camera() {
@@ -86,9 +85,9 @@ fn cascades_follow_a_moving_camera() {
     assert!(darkest / expected > 0.95 && brightest / expected < 1.05, "not near {expected}");
 }
 
-/// Fences of a metre, 1 km apart, on a ground of 4 km, with a sun behind them: a texel of the map
-/// of the whole ground is as large as 4 m. Places in the shade of each fence have no sun if the
-/// finest boxes, which move with the camera, are there.
+/// Two fences 1 m high, 1 km apart, on a ground of 4 km, with a sun behind them. In the map of the
+/// whole ground, texels have 4 m, so a fence casts a shadow only if the finest boxes, which move
+/// with the camera, are around it.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn fine_shadows_follow_a_moving_camera() {
@@ -115,7 +114,7 @@ fn fine_shadows_follow_a_moving_camera() {
     let (from, progress) = (seen_from(0.0), &mut |_| {});
     let new = Renderer::new(&gpu, &scene, Some(&from), settings, progress);
     let mut moving = pollster::block_on(new).expect("a renderer");
-    // In the shade of a fence, and before it.
+    // Whether the sun reaches points in the shade of a fence, and away from it.
     let has_sun = |renderer: &Renderer, fence: f32| {
         let places = [Vec3::new(fence, 0.0, 0.5), Vec3::new(fence, 0.0, 8.0)];
         let light = renderer.irradiance(&places, &[Vec3::Y; 2], 1);
@@ -131,7 +130,7 @@ fn fine_shadows_follow_a_moving_camera() {
     assert_eq!(has_sun(&moving, 1000.0), [false, true]);
 }
 
-/// Beyond the maps around cascades, shade is as fine on screen as without cascades.
+/// Beyond the maps around cascades, shadows on screen are as fine as without cascades.
 #[test]
 fn shadows_beyond_cascades_match_a_dense_volume() {
     let mut scene = Scene::default();
@@ -164,7 +163,7 @@ fn shadows_beyond_cascades_match_a_dense_volume() {
     assert!(dense.hdr == cascades.hdr);
 }
 
-/// Places on what a camera sees, with their normals, up to a distance in metres.
+/// Points on the surfaces that a camera sees, with their normals, up to a distance in metres.
 fn seen_places(scene: &Scene, camera: &Camera, farthest_m: f32) -> (Vec<Vec3>, Vec<Vec3>) {
     let picker = Picker::new(scene);
     let size = UVec2::new(24, 14);
@@ -176,8 +175,8 @@ fn seen_places(scene: &Scene, camera: &Camera, farthest_m: f32) -> (Vec<Vec3>, V
     picks.map(|met| (met.position, met.normal)).unzip()
 }
 
-/// The means of indirect light at places from two cameras: the relative change of the mean, and the
-/// difference at each place as a share of the mean, on average and at the 95th percentile.
+/// Compares indirect light at the same points for two camera positions: the relative change of the
+/// mean, and the mean and the 95th percentile of the differences, as shares of the mean.
 fn change(before: &[f32], after: &[f32]) -> [f32; 3] {
     let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
     let both = before.iter().zip(after);
@@ -187,8 +186,8 @@ fn change(before: &[f32], after: &[f32]) -> [f32; 3] {
     [mean(after) / mean(before) - 1.0, mean(&differences), p95]
 }
 
-/// When boxes move, and places change from one box to another, the light at these places hardly
-/// changes. `./test --full` has the Cornell box (`cascades_follow_a_moving_camera`).
+/// If boxes move, and points change to another box, the light at these points hardly changes.
+/// `./test --full` has the Cornell box (`cascades_follow_a_moving_camera`).
 #[test]
 #[ignore = "release: a city of a kilometre"]
 fn moving_cascades_keep_a_citys_light_at_release() {
@@ -216,9 +215,9 @@ fn moving_cascades_keep_a_citys_light_at_release() {
     };
     let places = seen_places(&scene, &scene.cameras[0], 120.0);
     let (before, grid) = light(0.0, &places);
-    // llvmpipe: 0.4 % of the mean and p95 3.8 % if all but a few places stay in their boxes; 0.9 %
-    // and 9.3 % if most of those within 30 m change to another box. The 95th percentile is that of
-    // single places, on which a voxel's edge falls or not.
+    // llvmpipe: 0.4 % of the mean and p95 3.8 % if nearly all points stay in their boxes; 0.9 % and
+    // 9.3 % if most points within 30 m change to another box. The 95th percentile is of single
+    // points, which may be at a voxel's edge.
     let moves =
         [(1.05, "one move of the finest box", 1.0, 5.0), (8.1, "moves of four boxes", 3.0, 15.0)];
     for (along_m, name, most_of_mean, most_of_p95) in moves {
@@ -230,7 +229,7 @@ fn moving_cascades_keep_a_citys_light_at_release() {
     }
 }
 
-/// Far from the origin a wall leaks no more than near it.
+/// Far from the origin, a wall leaks no more light than near it.
 #[test]
 #[ignore = "slow: two rooms twice"]
 fn walls_leak_no_more_far_from_the_origin() {

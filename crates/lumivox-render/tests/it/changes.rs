@@ -1,4 +1,4 @@
-//! Changes to a renderer at work: afterwards it shows what a new one would show, to the bit.
+//! Tests that after changes a renderer's picture is bit-identical to a new renderer's.
 
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 
@@ -32,7 +32,7 @@ fn set(renderer: &mut Renderer, settings: &RenderSettings) {
 fn settings_may_change_in_any_order() {
     let gpu = gpu();
     let mut scene = builtin("cornell");
-    // Its shadows by cones need the voxels' opacities before there is any light.
+    // A sun whose shadows by cones need the voxels' opacities before any light.
     scene.lights.push(lumivox_scene::Light {
         kind: LightKind::Directional,
         intensity: 100.0,
@@ -47,7 +47,7 @@ fn settings_may_change_in_any_order() {
         |s, _| s.shadow_resolution = 48,
         |s, _| s.resolution = 48,
         |s, _| s.size = UVec2::new(33, 21),
-        // Cones that march see the cells; rays do not.
+        // Marching cones read the cells, unlike rays.
         |s, _| s.cone_model = Some(Arc::new(StillCones { share: 1.0 })),
         |s, octree| s.volume = octree,
         |s, _| s.directionality = Directionality::Isotropic,
@@ -93,7 +93,7 @@ fn frames_restart_only_if_a_change_affects_them() {
     assert_eq!(renderer.frame_count(), 0);
 }
 
-/// Frames of a moving camera have fewer samples, which no picture at rest keeps.
+/// Frames of a moving camera have fewer samples; a picture at rest must not include them.
 #[test]
 fn a_picture_after_motion_matches_a_fresh_renderer() {
     let gpu = gpu();
@@ -139,7 +139,7 @@ fn refused_settings_change_nothing() {
     assert!(picture(&mut renderer) == before, "it still renders the same");
 }
 
-/// Cornell in other light: a lamp of another colour and place, and one more.
+/// Cornell with a lamp of another colour and position, and one more lamp.
 fn other_light(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.lights.truncate(1);
@@ -173,7 +173,7 @@ fn changed_lights_and_materials_match_a_fresh_renderer() {
     painted.materials[0].double_sided ^= true;
     let mut bright = rest.clone();
     for material in &mut bright.materials {
-        // Another unit of radiance.
+        // Bright enough for another unit of radiance.
         material.emissive *= 1e4;
     }
     for light in &mut bright.lights {
@@ -193,7 +193,7 @@ fn changed_lights_and_materials_match_a_fresh_renderer() {
     }
 }
 
-/// Objects may move ahead of their voxels, which follow when asked to.
+/// Objects may move before their voxels, until `revoxelize`.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn objects_can_move_before_their_voxels() {
@@ -223,7 +223,7 @@ fn objects_can_move_before_their_voxels() {
     assert_eq!(ahead.frame_count(), 2, "what stays keeps its frames");
 }
 
-/// Without bounces nothing is traced: what cones left of another view must not show.
+/// Without bounces, no cones are traced; the results of another view's cones must not be shown.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn traces_of_another_view_do_not_show() {
@@ -241,7 +241,7 @@ fn traces_of_another_view_do_not_show() {
     assert!(!traces(&fresh));
 }
 
-/// A scene with a grid of its own may be empty, or lie outside of it.
+/// A scene that defines its grid may be empty, or outside the grid.
 #[test]
 fn a_scene_outside_its_own_grid_still_renders() {
     let gpu = gpu();
@@ -275,8 +275,8 @@ fn a_scene_outside_its_own_grid_still_renders() {
     assert!(pollster::block_on(refused).is_err(), "nothing says where the grid is");
 }
 
-/// Views beside the picture have the same frames as renderers that show nothing else, also after a
-/// change, and the picture does not notice them.
+/// Views beside the picture equal those of separate renderers, also after a change, and do not
+/// affect the picture.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn side_views_match_those_of_separate_renderers() {
@@ -306,7 +306,7 @@ fn side_views_match_those_of_separate_renderers() {
         }
     }
     assert_eq!(beside(&together, View::Normal), None, "it was not asked for");
-    // Other textures: they are made again.
+    // Another size: textures are created again.
     set(&mut together, &RenderSettings { size: UVec2::new(16, 16), ..with });
     let _ = picture(&mut together);
     assert_eq!(beside(&together, View::Diffuse).map(|pixels| pixels.len()), Some(256));

@@ -1,6 +1,6 @@
-//! Two complete renderings, each with a device, voxels and shadow maps of its own, are the same to
-//! the bit: everything that many threads write at once is an integer sum or a bit set, and nothing
-//! depends on which thread comes first.
+//! Tests that two complete renderings, with separate devices, voxels and shadow maps, are
+//! bit-identical: values that many threads write at once are integer sums or bit sets, so the order
+//! of threads does not matter.
 
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 
@@ -11,7 +11,7 @@ use lumivox_render::{Picture, RenderSettings, ShadowMethod};
 use crate::common::{builtin, gpu, picture, renderer};
 
 /// The bits of a rendering from scratch. Cornell's blocks are turned against the grid, so that many
-/// triangles share a voxel, and an odd size leaves workgroups at the edges half empty.
+/// triangles share a voxel. With an odd size, workgroups at the edges are half empty.
 fn bits(settings: &RenderSettings) -> (Vec<[u32; 4]>, Vec<[u8; 4]>) {
     let settings = RenderSettings {
         size: UVec2::new(75, 45),

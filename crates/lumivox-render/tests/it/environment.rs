@@ -1,5 +1,5 @@
-//! Surroundings from maps: what lies where in the background and in mirrors, and how much light a
-//! floor gets, against sums over the map on the CPU.
+//! Tests of maps as surroundings: directions in the background and in mirrors, and the light on a
+//! floor, compared with sums over the map on the CPU.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -29,14 +29,14 @@ fn colors(direction: Vec3) -> Vec3 {
     1000.0 * (Vec3::splat(1.3) + Vec3::new(direction.x, direction.y, direction.z))
 }
 
-/// A disc that gives an illuminance of `lux`.
+/// A disc with an illuminance of `lux`.
 fn disc(to: Vec3, radius_rad: f32, lux: f32) -> impl Fn(Vec3) -> Vec3 {
     let radiance = lux / (PI * radius_rad.sin().powi(2));
     let inside = move |d: Vec3| d.dot(to.normalize()) > radius_rad.cos();
     move |d| if inside(d) { Vec3::splat(radiance) } else { Vec3::ZERO }
 }
 
-/// A floor of 4 x 4 m and, if wanted, a plate of 1 x 1 m a metre above its middle.
+/// A floor of 4 x 4 m and, if `has_plate`, a plate of 1 x 1 m a metre above its centre.
 fn scene(material: Material, environment: Environment, has_plate: bool) -> Scene {
     let square = |name: &str, half: f32, y: f32| {
         let corners = [(-half, half), (half, half), (half, -half), (-half, -half)];
@@ -112,8 +112,8 @@ fn close(actual: Vec3, expected: Vec3, share: f32, what: &str) {
     assert!(error <= share, "{what}: {actual}, not {expected} (off by {error})");
 }
 
-/// The background is upright, not mirrored, and turned by the given angle: middle, right and top of
-/// the picture, for a camera that looks anywhere.
+/// The background is upright, not mirrored, and turned by the given angle: centre, right and top of
+/// the picture, for several view directions.
 #[test]
 fn the_background_shows_the_map_in_its_orientation() {
     let fov = 1.2_f32;
@@ -124,7 +124,7 @@ fn the_background_shows_the_map_in_its_orientation() {
         (Vec3::NEG_Z, 0.9),
         (Vec3::new(-0.6, -0.2, 0.5), -2.5),
     ] {
-        // Far off, so that the floor is not in sight, and its place must not matter.
+        // Far away, so that the floor is not visible. The camera's position must not matter.
         let position = Vec3::new(300.0, 200.0, -250.0);
         let camera = Camera::look_at(position, position + forward, fov);
         let scene = scene(white(), around(map(256, colors), rotation_rad), false);
@@ -136,7 +136,7 @@ fn the_background_shows_the_map_in_its_orientation() {
             let scale = 2.0 * (0.5 * fov).tan() / 65.0;
             let (across, above) = ((x as f32 - 32.0) * scale, (32.0 - y as f32) * scale);
             let direction = (forward + across * right + above * up).normalize();
-            // Half floats and the map's texels, a degree and a half wide; the jitter is half a
+            // The tolerance is for half floats, texels of 1.5 degrees, and a jitter of half a
             // pixel.
             let expected = colors(in_map(direction, rotation_rad));
             close(at(&picture, x, y), expected, 0.02, &format!("{forward} {rotation_rad} {x} {y}"));
@@ -158,7 +158,7 @@ fn metal(roughness: f32) -> Material {
     }
 }
 
-/// A smooth floor mirrors the map, and wide lobes see its mean.
+/// A smooth floor mirrors the map.
 #[test]
 fn a_mirror_reflects_the_map_in_its_orientation() {
     let rotation_rad = 0.6;
@@ -171,8 +171,7 @@ fn a_mirror_reflects_the_map_in_its_orientation() {
     close(at(&picture, 32, 32), expected, 0.03, "mirror");
 }
 
-/// On an open floor, E / pi is what a white surface sends back, whatever part of it comes as a
-/// light.
+/// A white open floor reflects E / pi, whatever part of the map became a light.
 #[test]
 fn an_open_floor_gets_the_maps_irradiance() {
     let to_sun = Vec3::new(0.5, 0.7, 0.3).normalize();
@@ -182,7 +181,7 @@ fn an_open_floor_gets_the_maps_irradiance() {
     for (name, map) in [("gradient", map(128, colors)), ("sun", with_sun)] {
         let expected = map.irradiance(Vec3::Y) / PI;
         for rotation_rad in [0.0, 2.0] {
-            // With the direct light of the sun; nothing else shines.
+            // Includes direct light of the sun, the only other source.
             let scene = scene(white(), around(map.clone(), rotation_rad), false);
             let picture = render(&scene, &camera, &small(View::Final));
             let pixels = picture.hdr.iter().map(|p| Vec3::new(p[0], p[1], p[2]));
@@ -192,18 +191,18 @@ fn an_open_floor_gets_the_maps_irradiance() {
     }
 }
 
-/// The shadow of a plate falls away from the bright texels, sharp, and turns with the map.
+/// The shadow of a plate is sharp, falls away from the bright texels, and turns with the map.
 #[test]
 fn shadows_fall_away_from_the_sun() {
     let to_sun = Vec3::new(1.0, 1.0, 0.0).normalize();
     let sun = disc(to_sun, 0.05, 50_000.0);
     let map = map(256, |d| Vec3::splat(100.0) + sun(d));
-    // As the texels have it, without what is behind the sun.
+    // From the texels, minus the radiance behind the sun.
     let lit = (map.irradiance(to_sun).x / PI - 100.0) * to_sun.y;
     let gpu = gpu();
     let mut quiet = |_| {};
     for rotation_rad in [0.0, PI / 2.0] {
-        // The plate's middle is seen from the sun over this place of the floor.
+        // Seen from the sun, the plate's centre covers this point of the floor.
         let there = Mat3::from_rotation_y(rotation_rad) * Vec3::new(-1.0, 0.0, 0.0);
         let scene = scene(white(), around(map.clone(), rotation_rad), true);
         let camera = |to: Vec3| Camera::look_at(to + Vec3::new(0.0, 0.9, 0.01), to, 0.2);
@@ -224,8 +223,8 @@ fn shadows_fall_away_from_the_sun() {
     }
 }
 
-/// The sun of a map is reflected once: by its light's highlight on what is rough, as itself in a
-/// mirror.
+/// The sun of a map is reflected once: by the highlight of its light on rough surfaces, as an image
+/// in mirrors.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn the_sun_is_reflected_once() {
@@ -233,7 +232,7 @@ fn the_sun_is_reflected_once() {
     let to_sun = Vec3::new(0.0, 1.0, -1.0).normalize();
     let sun = disc(to_sun, radius_rad, 2000.0);
     let radiance = 2000.0 / (PI * radius_rad.sin().powi(2));
-    // Bright enough around for a half float to hold the sun in a mirror.
+    // Bright enough that the unit of radiance lets a half float store the sun in a mirror.
     let around_it = 1000.0;
     let map = map(512, |d| Vec3::splat(around_it) + sun(d));
     let camera = Camera::look_at(Vec3::new(0.0, 2.0, 2.0), Vec3::ZERO, 0.5);
@@ -242,7 +241,7 @@ fn the_sun_is_reflected_once() {
         let settings = RenderSettings { frames: 16, ..small(View::Final) };
         render(&scene, &camera, &settings)
     };
-    // The mirror's disc: as bright, as large, and dark beside.
+    // The disc in the mirror has the sun's radiance and size.
     let mirror = reflected(0.0);
     let disc = at(&mirror, 32, 32).x;
     assert!(
@@ -254,15 +253,14 @@ fn the_sun_is_reflected_once() {
     let lit = sum(&mirror) / radiance;
     let expected = PI * (radius_rad / pixel_rad).powi(2);
     assert!((lit / expected - 1.0).abs() < 0.06, "{lit} pixels of sun, not {expected}");
-    // Just above the limit of half the radius, the same light comes as a highlight: as much of it
-    // as the disc, within what a wider lobe sheds beyond the picture and the gap between a disc and
-    // a point.
+    // Rougher metal shows the same light as a highlight. It may differ by the part of the wider
+    // lobe outside the picture, and because a disc is not a point.
     let rough = reflected(0.25);
     let share = sum(&rough) / sum(&mirror);
     assert!((0.75..1.1).contains(&share), "the highlight has {share} of the disc's light");
 }
 
-/// A sky and its sun, rendered as they come: what falls on the floor is what they say.
+/// A sky and its sun give a floor the irradiance computed from them.
 #[test]
 fn a_sky_lights_the_floor_in_real_units() {
     let settings = SkySettings {

@@ -1,4 +1,4 @@
-//! A first frame shows what many frames show: light from afar is not drawn.
+//! Tests that a first frame is close to the mean of many.
 
 use std::ops::ControlFlow;
 
@@ -20,7 +20,7 @@ fn irradiance(name: &str, frames: u32) -> Picture {
     picture(&mut renderer(&gpu(), &builtin(name), settings))
 }
 
-/// The relative difference that half of the lit pixels do not exceed, and that 95 % do not: edges.
+/// The median and the 95th percentile (at edges) of the relative difference of lit pixels.
 fn noise(picture: &Picture, mean: &Picture) -> [f32; 2] {
     let pairs = picture.hdr.iter().zip(&mean.hdr).filter(|(_, mean)| mean[1] > 1e-3);
     let mut apart: Vec<f32> = pairs.map(|(one, mean)| (one[1] / mean[1] - 1.0).abs()).collect();
@@ -28,8 +28,8 @@ fn noise(picture: &Picture, mean: &Picture) -> [f32; 2] {
     [0.5, 0.95].map(|share| apart[(apart.len() as f32 * share) as usize])
 }
 
-/// Only nine rays a pixel leave 10 % in Cornell and 25 % in the atrium; edges of one sample a pixel
-/// 94 and 40 % in the first frame.
+/// With only nine rays a pixel, the first frame's median is 10 % in Cornell and 25 % in the atrium;
+/// with one sample a pixel, edges have 94 and 40 %.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_first_frame_has_little_noise() {
@@ -42,8 +42,8 @@ fn a_first_frame_has_little_noise() {
     }
 }
 
-/// The Cornell box as modelling programs export it: only its lamp shines, on surfaces with a
-/// default's gloss.
+/// The Cornell box as exported by modelling programs: its lamp is the only source, and surfaces
+/// have the default gloss.
 fn glossy_box() -> Scene {
     let mut scene = builtin("cornell");
     scene.lights.clear();
@@ -62,8 +62,8 @@ fn glossy_box() -> Scene {
     scene
 }
 
-/// The share of pixels that reflect more than twice as much as the brightest of the eight around
-/// them.
+/// The share of pixels that are more than twice as bright as the brightest of their eight
+/// neighbours.
 fn stars(picture: &Picture) -> f64 {
     let UVec2 { x: width, y: height } = picture.size;
     let green = |x: u32, y: u32| picture.hdr[(y * width + x) as usize][1];
@@ -86,7 +86,7 @@ fn glossy_picture(scene: &Scene, frames: u32) -> Picture {
     picture(&mut renderer(&gpu(), scene, settings))
 }
 
-/// The noise is 25 % if only rays of the lobe find light, 18 % with known light.
+/// The noise would be 25 % if only rays of the lobe found light; with known light it is 18 %.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn rough_reflections_have_little_noise_in_first_frames() {
@@ -97,8 +97,8 @@ fn rough_reflections_have_little_noise_in_first_frames() {
     assert!(noise < 0.21, "{noise}");
 }
 
-/// If only rays of the lobe find a lamp, 1.6 % of the pixels of such a box are stars, in a first
-/// frame and after sixteen.
+/// If only rays of the lobe found the lamp, 1.6 % of the pixels would be stars, in the first frame
+/// and after sixteen.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_lamp_leaves_no_fireflies_on_glossy_surfaces() {
@@ -111,8 +111,8 @@ fn a_lamp_leaves_no_fireflies_on_glossy_surfaces() {
     assert!((first / few - 1.0).abs() < 0.06, "{first} is not {few}");
 }
 
-/// All that a metal wall shows is gloss. 8 % too bright on llvmpipe; 13 % if only rays of the lobe
-/// find the lamp, whose faces are larger than it is.
+/// A metal wall shows only gloss. It is 8 % too bright on llvmpipe; 13 % if only rays of the lobe
+/// found the lamp, since its voxels' faces are larger than the lamp.
 #[test]
 #[ignore = "slow: traces paths"]
 fn a_metal_wall_reflects_the_lamp_like_the_reference() {
@@ -130,7 +130,7 @@ fn a_metal_wall_reflects_the_lamp_like_the_reference() {
     pollster::block_on(tracer.render(&mut |_| ControlFlow::Continue(()))).expect("traced");
     let settings = RenderSettings { size, resolution: 64, frames: 16, ..RenderSettings::default() };
     let ours = picture(&mut renderer(&gpu, &scene, settings)).hdr;
-    // Well within the wall.
+    // Pixels well inside the wall.
     let mean = |radiance: &[[f32; 4]]| -> f32 {
         let pixels = (8..28).flat_map(|y| (8..12).map(move |x| radiance[48 * y + x][1]));
         pixels.sum::<f32>() / 80.0

@@ -1,5 +1,5 @@
-//! The renderer from outside, in one program: the shaders that its tests share are linked and
-//! compiled once.
+//! Tests of the public interface, in one program, so that shared shaders are linked and compiled
+//! once.
 
 mod cascades;
 mod changes;

@@ -1,4 +1,4 @@
-//! A scene that moves between pictures: what a renderer keeps must not show.
+//! Tests of scenes that move between pictures: reused resources must not affect the result.
 
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 
@@ -21,7 +21,7 @@ fn settings(scenes: &[&Scene]) -> RenderSettings {
     }
 }
 
-/// Cornell, and the same with its last instance moved, a mesh bent, and the lamp elsewhere.
+/// Cornell, and Cornell with the last instance moved, a mesh bent, and the lamp elsewhere.
 fn poses() -> (Scene, Scene) {
     let rest = builtin("cornell");
     let mut moved = rest.clone();
@@ -38,7 +38,7 @@ fn poses() -> (Scene, Scene) {
     (rest, moved)
 }
 
-/// Buffers keep room for what there was; nothing else stays.
+/// Buffers keep their capacity; no other memory remains.
 fn assert_no_leak(travelling: &Renderer, fresh: &Renderer) {
     let bytes =
         |renderer: &Renderer| renderer.memory().iter().map(|part| part.bytes).sum::<u64>() as f64;
@@ -46,8 +46,8 @@ fn assert_no_leak(travelling: &Renderer, fresh: &Renderer) {
     assert!((0.9 * was..1.3 * was).contains(&is), "{is} bytes, a fresh renderer has {was}");
 }
 
-/// Instances of one mesh are drawn in one call; those that move are found in it, and so are those
-/// with other changes.
+/// Instances of one mesh share a draw call; single instances in it can move or change in other
+/// ways.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn moved_instances_match_a_fresh_renderer() {
@@ -89,8 +89,7 @@ fn moved_instances_match_a_fresh_renderer() {
     step(&scene, &[last - 3, last - 1], "one that is mirrored, and one that is back");
 }
 
-/// Static instances are not voxelized again while they are unchanged; the pictures are those of a
-/// new renderer.
+/// Unchanged static instances are not voxelized again, and pictures equal a new renderer's.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn unchanged_static_instances_are_not_voxelized_again() {
@@ -106,7 +105,7 @@ fn unchanged_static_instances_are_not_voxelized_again() {
     let mut shifted = moved.clone();
     shifted.instances[0].world_from_local =
         Mat4::from_translation(Vec3::X * 0.1) * rest.instances[0].world_from_local;
-    // With and without bounces in the voxels: all is stored, or what has changed.
+    // Depending on bounces in the voxels, all light is stored, or only changes.
     for bounces in [1, 3] {
         let settings = RenderSettings { bounces, ..settings(&[&rest, &moved]) };
         let mut travelling = renderer(&gpu, &rest, settings.clone());
@@ -121,7 +120,7 @@ fn unchanged_static_instances_are_not_voxelized_again() {
             assert!(!fresh.voxel_stats().static_reused);
             assert!(seen == picture(&mut fresh), "step {step}, {bounces} bounces: it differs");
             assert_eq!(travelling.voxel_stats().voxels, fresh.voxel_stats().voxels, "step {step}");
-            // Hidden geometry keeps its room.
+            // Hidden geometry keeps its memory.
             if pose.instances.len() == rest.instances.len() {
                 assert_no_leak(&travelling, &fresh);
             }
@@ -165,8 +164,8 @@ fn set_scene_refuses_a_different_scene() {
     assert!(error.to_string().contains("materials"), "{error}");
 }
 
-/// Frames that wait for nothing have the voxels and shadows of a new renderer at once, and its
-/// light after some frames.
+/// Frames that do not wait have the voxels and shadows of a new renderer at once, and its light
+/// after some frames.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn frames_after_a_move_converge_to_a_fresh_renderer() {
@@ -211,9 +210,8 @@ fn frames_after_a_move_converge_to_a_fresh_renderer() {
     );
 }
 
-/// A block grows twentyfold in a single step and overflows the buffers. That is known a frame
-/// later, when nothing changes any more; the picture is not complete before the voxels are up to
-/// date.
+/// A block grows twentyfold in a single step and overflows the buffers. The overflow is known a
+/// frame later, when nothing moves; the picture is incomplete until the voxels are up to date.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_change_that_overflows_buffers_is_completed_later() {

@@ -1,5 +1,5 @@
-//! The octree shows what the dense volume shows: the same voxels, the same light, look-ups that
-//! differ only in their last bits.
+//! Tests that the octree gives the dense volume's picture: the same voxels, the same light, and
+//! look-ups that differ only in the last bits.
 
 use glam::{UVec2, Vec3};
 use lumivox::{Directionality, VolumeKind};
@@ -9,14 +9,13 @@ use lumivox_scene::{Bounds, Camera, Instance, Material, Scene};
 use crate::common::zoo::quad;
 use crate::common::{builtin, gpu, picture, renderer, turned};
 
-/// The most that the mean of a picture may differ, as a share of it (measured: up to 0.0016).
-/// Values are rounded to half floats level by level, by the texture unit in one and by
-/// `pack2x16float` in the other; and right at the grid's border the octree's masks are those of a
-/// cell farther in.
+/// The largest relative difference of a picture's mean (measured: up to 0.0016). At each level,
+/// values are rounded to half floats, by the texture unit in one volume and by `pack2x16float` in
+/// the other. At the grid's border, the octree has the masks of the cell next to it.
 const MAX_BIAS: f64 = 0.003;
-/// The most that its pixels may differ, as the root of their mean square over the mean, after two
-/// noisy frames (measured: up to 0.011): a ray that meets a wall's edge in one volume and, by a
-/// rounding, not in the other.
+/// The largest root mean square difference of its pixels, divided by the mean, after two noisy
+/// frames (measured: up to 0.011): by rounding, a ray may hit a wall's edge in only one of the
+/// volumes.
 const MAX_RMS: f64 = 0.02;
 
 fn settings(volume: VolumeKind) -> RenderSettings {
@@ -39,8 +38,8 @@ fn rendered(gpu: &Gpu, scene: &str, settings: RenderSettings) -> Picture {
     picture(&mut renderer(gpu, &builtin(scene), settings))
 }
 
-/// Bias and root mean square of the difference, as shares of the mean light; for visibility, of
-/// which closed rooms have next to none, they are not divided.
+/// Bias and root mean square of the difference, as shares of the mean light; absolute for
+/// visibility, which is nearly 0 in closed rooms.
 fn difference(view: View, a: &Picture, b: &Picture) -> (f64, f64) {
     let luminance = |pixel: &[f32; 4]| f64::from(pixel[0] + pixel[1] + pixel[2]) / 3.0;
     let count = a.hdr.len() as f64;
@@ -104,7 +103,7 @@ fn node_and_brick_views_need_an_octree() {
         assert!(error.to_string().contains("--volume octree"), "{error}");
         let sparse = RenderSettings { view, ..settings(octree()) };
         let shown = rendered(&gpu, "cornell", sparse);
-        // Orange, more red than blue by far: what is there for the neighbours' sake.
+        // Orange, with much more red than blue: nodes and texels that exist for neighbours.
         let is_orange = |p: &&[f32; 4]| p[0] > 5.0 * p[2] && p[1] > 2.0 * p[2] && p[0] < 4.0 * p[1];
         let orange = shown.hdr.iter().filter(is_orange).count();
         assert!(orange > 50, "{}: {orange} orange pixels", view.name());
@@ -112,15 +111,15 @@ fn node_and_brick_views_need_an_octree() {
     }
 }
 
-/// Pixels of one colour: the lowest and the highest coordinates.
+/// The lowest and the highest coordinates of the pixels of one colour.
 fn extent(picture: &Picture, is_of_it: impl Fn(&[f32; 4]) -> bool) -> (UVec2, UVec2) {
     let pixels = (0..).zip(&picture.hdr).filter(|(_, pixel)| is_of_it(pixel));
     let places = pixels.map(|(i, _)| UVec2::new(i % picture.size.x, i / picture.size.x));
     places.fold((picture.size, UVec2::ZERO), |(low, high), at| (low.min(at), high.max(at)))
 }
 
-/// Around a single voxel, nodes without cells of their own are on all sides of the one that has
-/// some; there are no others, however many voxels the grid has room for.
+/// For a single voxel, nodes without cells surround the one with cells on all sides; there are no
+/// others, whatever the grid's resolution.
 #[test]
 fn neighbour_nodes_surround_every_node_with_cells() {
     let mut seen = Vec::new();
@@ -167,9 +166,9 @@ fn the_lit_view_shows_voxels_the_lamp_reaches() {
         (yellow as f64 / count, grey as f64 / count)
     };
     let (lit, unlit) = shares(&picture(&mut renderer));
-    // Most of the box is lit; the blocks' shadows and the sides that face away are not.
+    // Most of the box is lit, except the blocks' shadows and the sides that face away.
     assert!((0.5..0.9).contains(&lit) && (0.05..0.4).contains(&unlit), "{lit:.3}, {unlit:.3}");
-    // Bounces reach what the lamp does not; looking at it again takes them away.
+    // The view of voxels adds bounces; the lit view must leave them out again.
     renderer.set_view(View::Voxels, 0).expect("a view");
     picture(&mut renderer);
     renderer.set_view(View::Lit, 0).expect("a view");

@@ -1,5 +1,4 @@
-//! Overlays are drawn where they should be, hidden where they should be, and never change the
-//! radiance.
+//! Tests that overlays are drawn and hidden at the right places, and never change radiance.
 
 #![allow(clippy::float_cmp)] // Corners of cells, and full coverage, are told exactly.
 
@@ -71,7 +70,7 @@ fn stage() -> Scene {
     scene
 }
 
-/// A square across the line of sight, nearer than the triangle, of half its height.
+/// Adds a square in front of the triangle that hides its upper half.
 fn with_screen(mut scene: Scene) -> Scene {
     let corners = [(-2.0, 0.0), (2.0, 0.0), (2.0, 2.0), (-2.0, 2.0)];
     add(&mut scene, &corners.map(|(x, y)| Vec3::new(x, y, 1.0)), grey());
@@ -95,7 +94,7 @@ fn is_near(color: [u8; 3], other: [u8; 3]) -> bool {
     color.iter().zip(other).all(|(a, b)| a.abs_diff(b) <= 2)
 }
 
-/// The position in the picture of a place in the world, in pixels.
+/// The position of a point of the world in the picture, in pixels.
 fn pixel_of(camera: &Camera, size: UVec2, place: Vec3) -> DVec2 {
     let clip = clip_from_world(camera, size).as_dmat4();
     let ndc = clip.project_point3(place.as_dvec3());
@@ -108,7 +107,7 @@ fn distance_to(at: DVec2, a: DVec2, b: DVec2) -> f64 {
     at.distance(a + share * along)
 }
 
-/// How far the middle of a pixel is from the nearest of those lines.
+/// The distance of a pixel's centre from the nearest line.
 fn nearest(pixel: UVec2, lines: &[(DVec2, DVec2)]) -> f64 {
     let at = pixel.as_dvec2() + 0.5;
     lines.iter().map(|(a, b)| distance_to(at, *a, *b)).fold(f64::INFINITY, f64::min)
@@ -135,8 +134,7 @@ fn wires_cover_exactly_the_pixels_near_edges() {
             let mut on = 0;
             for (pixel, color) in colors(&picture) {
                 let distance = nearest(pixel, &lines);
-                // Between the two, a pixel may fall to either side: f32 places lines to a
-                // thousandth of a pixel.
+                // Nearer pixels may be on either side: f32 places lines to a thousandth of a pixel.
                 if (distance - HALF_WIRE).abs() > 1e-3 {
                     let is_wire = distance < HALF_WIRE;
                     assert_eq!(is_near(color, WIRE), is_wire, "{pixel}: {color:?}, {distance}");
@@ -163,7 +161,7 @@ fn wires_behind_surfaces_are_hidden() {
     let lower_edge = pixel_of(&camera(), size, Vec3::Z).y;
     let lit = |mode| {
         let picture = shown(&gpu, &scene, settings(wireframe(mode)));
-        // Only the triangle's own wires, above and below the lower edge of the screen that hides
+        // Count only the triangle's wires, above and below the lower edge of the square that hides
         // it.
         let own_wires = colors(&picture).filter(|(pixel, color)| {
             is_near(*color, WIRE) && nearest(*pixel, &own) < 0.6 && nearest(*pixel, &others) > 1.0
@@ -180,13 +178,13 @@ fn wires_behind_surfaces_are_hidden() {
     assert_eq!(seen, also_seen);
 }
 
-/// Edges on the visible side of a sphere are unbroken, however steep the side is towards its rim.
+/// Edges of visible surfaces are unbroken, even at grazing angles.
 #[test]
 fn edges_of_visible_surfaces_are_unbroken() {
     let gpu = gpu();
     let mut scene = stage();
     scene.instances.clear();
-    // A floor that is seen at two degrees, in strips.
+    // A floor of strips, seen at an angle of two degrees.
     for strip in 0..12 {
         let (near, far) = (2.4 - 0.4 * strip as f32, 2.0 - 0.4 * strip as f32);
         let corners = [(-1.0, near), (1.0, near), (1.0, far), (-1.0, far)];
@@ -199,7 +197,7 @@ fn edges_of_visible_surfaces_are_unbroken() {
         let picture = shown(&gpu, &scene, RenderSettings { overlay, ..settings.clone() });
         colors(&picture).filter(|(_, color)| is_near(*color, WIRE)).count()
     };
-    // Nothing of it hides anything.
+    // No strip hides another.
     let (over, through) = (count(Wireframe::Over), count(Wireframe::Through));
     println!("{over} of {through} pixels");
     assert!(through > 300);
@@ -207,7 +205,7 @@ fn edges_of_visible_surfaces_are_unbroken() {
 }
 
 fn line(is_hidden_by_surfaces: bool) -> OverlayLine {
-    // From before the triangle to behind it, and out of the picture.
+    // From a point in front of the triangle to one behind it, outside the picture.
     let (from, to) = (Vec3::new(-0.7, -0.4, 1.0), Vec3::new(1.2, 0.3, -3.0));
     OverlayLine { from, to, color: [1.0, 0.0, 0.0, 0.5], is_hidden_by_surfaces }
 }
@@ -231,7 +229,8 @@ fn lines_blend_by_their_coverage_and_end_at_surfaces() {
     assert!(hidden > 8 && through > hidden + 8);
 }
 
-/// A line to before the near plane, and one to behind the eye: both end at the plane.
+/// A line that starts between eye and near plane, and one that starts behind the eye: both end at
+/// the plane.
 #[test]
 fn lines_are_cut_at_the_near_plane() {
     let gpu = gpu();
@@ -256,7 +255,8 @@ fn lines_are_cut_at_the_near_plane() {
     assert_eq!(cut, draw(beyond));
 }
 
-/// All off gives the bits of before; whatever is on changes no radiance; two runs agree.
+/// Without an overlay, pictures are bit-identical to those before; no overlay changes radiance; two
+/// runs agree.
 #[test]
 fn overlays_do_not_change_radiance() {
     let gpu = gpu();
@@ -282,8 +282,7 @@ fn overlays_do_not_change_radiance() {
     assert!(first.ldr != plain.ldr, "nothing is drawn");
     assert!(first == shown(&gpu, &scene, drawn.clone()), "two runs differ");
 
-    // A renderer that shows and hides the overlay gives the same bits each time. It has the cells
-    // that wires are coloured by.
+    // If a renderer shows and hides the overlay, pictures are bit-identical each time.
     let mut changing = renderer(&gpu, &scene, drawn.clone());
     let set = |changing: &mut Renderer, settings: &RenderSettings| {
         block_on(changing.set_settings(settings.clone(), &mut |_| {})).expect("few lines");
@@ -303,7 +302,7 @@ fn overlays_do_not_change_radiance() {
         assert!(picture(&mut changing) == first, "drawn over a finished picture");
         assert_eq!(changing.overlay_frame_count(), 3);
     }
-    // Another camera restarts both.
+    // Another camera restarts picture and overlay.
     let moved = Camera { position: changing.camera().position * 0.9, ..changing.camera().clone() };
     changing.set_camera(moved.clone());
     let seen = picture(&mut changing);
@@ -312,8 +311,8 @@ fn overlays_do_not_change_radiance() {
     assert!(seen == picture(&mut fresh), "something of the earlier camera is left");
 }
 
-/// A tiny triangle in the middle of each cell of a block of `edge` cells along each edge, starting
-/// at the origin.
+/// A tiny triangle in the centre of each cell of a block with `edge` cells along each edge and a
+/// corner at the origin.
 fn voxels(edge: u32) -> (Scene, RenderSettings) {
     let mut scene = Scene { cameras: vec![oblique_camera()], ..Scene::default() };
     let bounds = lumivox_scene::Bounds { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) };
@@ -333,7 +332,7 @@ fn voxels(edge: u32) -> (Scene, RenderSettings) {
     (scene, settings)
 }
 
-/// All three sides of a block are seen well.
+/// A camera that sees three sides of a block well.
 fn oblique_camera() -> Camera {
     Camera::look_at(Vec3::new(1.7, 1.3, 2.1), Vec3::splat(0.15), 0.25)
 }
@@ -344,13 +343,14 @@ fn cells(edge: u32) -> impl Iterator<Item = Vec3> {
         .map(move |i| UVec3::new(i % edge, (i / edge) % edge, i / edge.pow(2)).as_vec3())
 }
 
-/// 16 voxels with a margin of 1.5 on each side over an edge of 2 m: the origin is a corner of
+/// The edge of 2 m is 13 voxels, with a margin of 1.5 on each side; the origin is a corner of
 /// cells.
 fn cell_size() -> f32 {
     2.0 / 13.0
 }
 
-/// The edges of a block's cells in the world: those on its surface, and those within it.
+/// The edges of a block's cells in the world: first those on the block's surface, then those
+/// inside.
 fn block_edges(low: Vec3, edge: u32) -> [Vec<(Vec3, Vec3)>; 2] {
     let last = edge as f32;
     let all = cells(edge).flat_map(|cell| {
@@ -374,7 +374,7 @@ fn is_amber(color: [u8; 3]) -> bool {
     color[0] > 180 && color[2] < 100
 }
 
-/// One cell has twelve edges. In a block of eight, the six edges that meet in its middle are
+/// One cell has twelve edges. In a block of eight cells, the six edges that meet in the centre are
 /// between hidden faces, and are not drawn.
 #[test]
 fn wire_cubes_draw_only_edges_of_visible_faces() {
@@ -399,7 +399,7 @@ fn wire_cubes_draw_only_edges_of_visible_faces() {
             .map(|(pixel, _)| pixel.as_dvec2() + 0.5)
             .collect();
         for at in &drawn {
-            // A line is 1.1 pixels wide; at the outline all of it lies within.
+            // A line is 1.1 pixels wide; at the block's outline, all of it is inside.
             let distance = nearest(at.as_uvec2(), &lines);
             assert!(distance < 1.15, "{at} is {distance} pixels from the nearest edge");
         }
@@ -408,7 +408,7 @@ fn wire_cubes_draw_only_edges_of_visible_faces() {
         for at in lines.iter().copied().flat_map(along) {
             assert!(is_drawn(at), "nothing is drawn at {at}");
         }
-        // Nothing is drawn along the edges within the block, at places far from other edges.
+        // Edges inside the block are not drawn; checked at points far from other edges.
         let within = inner.iter().map(on_screen).flat_map(along);
         let free: Vec<DVec2> =
             within.filter(|at| lines.iter().all(|(a, b)| distance_to(*at, *a, *b) > 3.0)).collect();
@@ -417,8 +417,7 @@ fn wire_cubes_draw_only_edges_of_visible_faces() {
     }
 }
 
-/// Over surfaces the wires that lie behind are hidden, those in front are not; wires and cubes are
-/// of one level.
+/// Surfaces hide the wires behind them, not those in front; all wires are of one level.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn wire_voxels_show_one_level_and_end_at_surfaces() {
@@ -439,8 +438,8 @@ fn wire_voxels_show_one_level_and_end_at_surfaces() {
     assert!(over[1] > 2 * over[2]);
 }
 
-/// An emissive wall along the grid, the left half of it twice as bright: on it the volume's light
-/// is what a CPU interpolates between the cells' middles.
+/// An emissive wall along the grid, with a left half twice as bright: the volume's light on it is
+/// linearly interpolated between the cells' centres.
 #[test]
 fn the_light_of_a_level_is_interpolated_on_surfaces() {
     let gpu = gpu();
@@ -467,7 +466,7 @@ fn the_light_of_a_level_is_interpolated_on_surfaces() {
         let grid = *renderer.gi().grid();
         let picture = picture(&mut renderer);
         let edge = f64::from(1 << voxel_level);
-        // The light in a cell of the level, from the share of the bright half in it.
+        // The light of a cell of the level, from the bright half's share of it.
         let boundary = f64::from(grid.grid_from_world(Vec3::ZERO).x);
         let in_cell = |index: f64| {
             let bright = (boundary - index * edge).clamp(0.0, edge) / edge;
@@ -482,7 +481,7 @@ fn the_light_of_a_level_is_interpolated_on_surfaces() {
             let expected =
                 in_cell(place.floor()) * (1.0 - share) + in_cell(place.floor() + 1.0) * share;
             let [r, g, b, a] = picture.hdr[(16 * 64 + x) as usize].map(f64::from);
-            // Half floats, and filters with at least 8 bits of weights.
+            // For half floats, and filters whose weights have at least 8 bits.
             let tolerance = 8.0 / 256.0 + 0.01;
             assert!(
                 (r - expected).abs() < tolerance,
@@ -493,7 +492,7 @@ fn the_light_of_a_level_is_interpolated_on_surfaces() {
     }
 }
 
-/// `Camera::ray` goes where the renderer's projection shows it.
+/// `Camera::ray` matches the renderer's projection.
 #[test]
 fn camera_rays_match_the_renderers_projection() {
     let size = UVec2::new(160, 90);

@@ -1,4 +1,4 @@
-//! The light at a pixel, against closed forms and against the picture.
+//! Tests of the light at a pixel against closed forms and the picture.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -40,7 +40,8 @@ fn a_lamp_lights_the_floor_by_the_inverse_square() {
     let picture = picture(&mut renderer);
     let below = measured(&renderer, 24, 16).expect("a surface");
     let lux = below.illuminance_lux.expect("a surface");
-    // 100 cd / (2 m)² and nothing else to light it; half a pixel off the middle, and half floats.
+    // 100 cd / (2 m)² from the only source; tolerance for half a pixel off the centre, and half
+    // floats.
     assert!((lux / 25.0 - 1.0).abs() < 2e-3, "{lux} lux");
     // The albedo has 8 bits.
     assert!((below.luminance_cd_m2 / (0.2 / PI * lux) - 1.0).abs() < 0.02, "{below:?}");
@@ -50,8 +51,8 @@ fn a_lamp_lights_the_floor_by_the_inverse_square() {
     assert_eq!(measured(&renderer, 48, 0), None, "beyond the picture");
 }
 
-/// In the furnace 2 cd/m² come from everywhere, so pi times as much arrives; what the surface adds
-/// to its own 1 cd/m² is its albedo over pi of that.
+/// In the furnace, radiance is 2 cd/m² everywhere, so illuminance is pi times as much; to its
+/// emission of 1 cd/m² a surface adds albedo / pi times the illuminance.
 #[test]
 fn illuminance_includes_indirect_light_of_all_frames() {
     let settings = RenderSettings { bounces: 12, ..small() };
@@ -60,7 +61,7 @@ fn illuminance_includes_indirect_light_of_all_frames() {
     for (x, y) in [(3, 3), (24, 16), (40, 28), (10, 20)] {
         let here = measured(&renderer, x, y).expect("a wall");
         let lux = here.illuminance_lux.expect("a wall");
-        // The walls all around are drawn by eight points a frame, which is noisy.
+        // Noisy: eight points a frame sample all walls.
         assert!((4.6..7.6).contains(&lux), "{lux} lux at {x}, {y}");
         let by_luminance = (here.luminance_cd_m2 - 1.0) * PI / 0.5;
         assert!(
@@ -93,8 +94,8 @@ fn unlit_pixels_have_no_illuminance() {
 }
 
 /// A mirroring ball of radius R scatters the light of a sun evenly: E R² / 4 per steradian. At this
-/// size the highlight covers a fifth of a pixel. Half floats had room for 30 % of it, and the
-/// panorama's map has none for its sun.
+/// size the highlight covers a fifth of a pixel. Half floats could store 30 % of it, and the
+/// panorama's map cannot store the sun.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_highlight_smaller_than_a_pixel_keeps_its_energy() {
@@ -129,7 +130,7 @@ fn a_highlight_smaller_than_a_pixel_keeps_its_energy() {
     }
 }
 
-/// A panorama with nothing but a sun of 1.5 degrees radius, and the sun's illuminance.
+/// A panorama that is black except for a sun of 1.5 degrees radius, and the sun's illuminance.
 fn sun_in_panorama(to_sun: Vec3) -> (EnvironmentMap, f32) {
     let (width, height) = (512_u32, 256_u32);
     let mut illuminance_lux = 0.0;

@@ -1,4 +1,4 @@
-//! The cost of a device's second renderer: its pipelines are those of the first.
+//! Tests that a device's second renderer reuses the pipelines of the first.
 
 use glam::UVec2;
 use lumivox::{Directionality, VolumeKind};
@@ -6,7 +6,7 @@ use lumivox_render::{RenderProgress, RenderSettings, Renderer, ShadowMethod};
 
 use crate::common::{builtin, own_gpu, picture};
 
-/// All settings that other shaders are linked for are gone through twice.
+/// Goes twice through all settings that link other shaders.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_second_renderer_compiles_no_new_pipelines() {
@@ -22,7 +22,7 @@ fn a_second_renderer_compiles_no_new_pipelines() {
     let renderer = Renderer::new(&gpu, &scene, None, settings.clone(), &mut hear);
     let mut renderer = pollster::block_on(renderer).expect("a renderer");
     let counts = gpu.pipelines.counts();
-    // Pipelines of holes, textures and moving frames are made when something needs them.
+    // Pipelines for masks, textures and moving frames are created only when needed.
     assert!(counts.made < counts.pipelines, "{counts:?}");
     let total = counts.made as u32;
     assert_eq!(heard, (0..=total).map(|done| (done, total)).collect::<Vec<_>>());
@@ -47,12 +47,12 @@ fn a_second_renderer_compiles_no_new_pipelines() {
     let first = go_round(&mut renderer);
     assert!(first.pipelines > counts.pipelines, "{first:?}, {counts:?}");
     assert_eq!(go_round(&mut renderer), first);
-    // Another grid, another scene, while the first one is still there.
+    // Another grid and another scene, while the first renderer still exists.
     let other = builtin("two-rooms");
     let settings = RenderSettings { resolution: 24, ..settings };
     let mut other = crate::common::renderer(&gpu, &other, settings);
     picture(&mut other);
-    // It has no emitters: diffuse light and reflections have smaller kernels of their own.
+    // The scene has no emitters, so diffuse light and reflections use smaller kernels.
     let mut both = first;
     both.made += 2;
     assert_eq!(gpu.pipelines.counts(), both);

@@ -1,5 +1,5 @@
-//! Whole renderings on a GPU (a software driver does; no adapter is a failure), against closed
-//! forms and plain CPU formulas.
+//! Tests of whole renderings on a GPU or a software driver, against closed forms and CPU formulas.
+//! They fail without an adapter.
 
 #![allow(clippy::float_cmp)] // Zeros and ones that must be exact.
 
@@ -46,7 +46,7 @@ fn at(picture: &Picture, pixel: UVec2) -> [f32; 4] {
     picture.hdr[(pixel.y * picture.size.x + pixel.x) as usize]
 }
 
-/// A square of 2 x 2 m that faces up, at a height.
+/// A square of 2 x 2 m at a height, facing up.
 fn square(height_m: f32) -> Mesh {
     let corners = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
     Mesh {
@@ -82,7 +82,7 @@ fn floor_in_the_sun() -> Scene {
     scene
 }
 
-/// Adds a roof at 1 m whose texture is opaque at x < 0 and, by its alpha, not there at x > 0.
+/// Adds a roof at 1 m, with a texture that is opaque at x < 0 and transparent at x > 0.
 fn with_half_a_roof(mut scene: Scene) -> Scene {
     scene.textures.push(Texture {
         name: "half".to_owned(),
@@ -111,7 +111,7 @@ fn with_half_a_roof(mut scene: Scene) -> Scene {
         world_from_local: Mat4::IDENTITY,
         ..Instance::default()
     });
-    // From the zenith the roof's shadow lies right below it.
+    // With the sun at the zenith, the roof's shadow is directly below it.
     scene.lights[0].direction = Vec3::NEG_Y;
     scene
 }
@@ -124,7 +124,7 @@ fn a_lambert_floor_reflects_albedo_over_pi_of_the_illuminance() {
         let [r, _, _, surface] = center(&picture);
         let expected = 50_000.0 * 0.5 / PI;
         assert_eq!(surface, 1.0);
-        // Half floats round by 0.05 % each: the normal's components, and the result.
+        // The normal's components and the result are half floats, each rounded by 0.05 %.
         assert!((r / expected - 1.0).abs() < 2e-3, "{shadows:?}: {r}, not {expected}");
     }
 }
@@ -139,7 +139,7 @@ fn data_views_show_their_physical_quantities() {
     assert!(Vec3::new(x, y - 1.0, z).length() < 2e-3, "{x} {y} {z}");
     let [r, g, b, _] = normal.ldr[(SIZE.y / 2 * SIZE.x + SIZE.x / 2) as usize];
     assert!(r.abs_diff(128) <= 1 && g >= 254 && b.abs_diff(128) <= 1, "{r} {g} {b}");
-    // The pixel's middle lies half a pixel off the axis, which makes a hundredth of a per cent.
+    // The pixel's centre is half a pixel off the axis, an error of a hundredth of a per cent.
     let [depth_m, ..] = center(&shown(View::Depth));
     assert!((depth_m - 3.0).abs() < 1e-3, "{depth_m}");
     let [albedo, ..] = center(&shown(View::Albedo));
@@ -156,12 +156,12 @@ fn alpha_masks_cut_holes_into_pictures_and_shadows() {
     let shown = |view| render(&scene, RenderSettings { view, ..small() }).expect("a picture");
     let (left, right) = (UVec2::new(28, 18), UVec2::new(36, 18));
     let depth = shown(View::Depth);
-    // At x < 0 the roof is seen, 2 m away; at x > 0 the floor behind it.
+    // At x < 0 the roof is visible, 2 m away; at x > 0 the floor below it.
     let (near, far) = (at(&depth, left)[0], at(&depth, right)[0]);
     let (near, far) = if near < far { (near, far) } else { (far, near) };
     assert!((near - 2.0).abs() < 0.1 && (far - 3.0).abs() < 0.1, "{near} {far}");
 
-    // From below the roof, its shadow is on one half of the floor.
+    // Seen from below the roof, its shadow covers one half of the floor.
     let mut below = scene.clone();
     below.cameras = vec![Camera::look_at(Vec3::new(0.0, 0.9, 0.8), Vec3::ZERO, 0.9)];
     let settings = RenderSettings { view: View::Shadow, ..small() };
@@ -173,8 +173,8 @@ fn alpha_masks_cut_holes_into_pictures_and_shadows() {
 #[test]
 fn display_pixels_match_the_tone_map_formulas() {
     let scene = lumivox_scene::builtin::scene("cornell").expect("a scene");
-    // A thousand times as bright, and exposed by as much less: on the GPU, radiance is in another
-    // unit.
+    // A scene 1024 times as bright, exposed by 1 / 1024: it has another unit of radiance on the
+    // GPU.
     let mut bright = scene.clone();
     bright.lights.iter_mut().for_each(|light| light.color *= 1024.0);
     bright.materials.iter_mut().for_each(|material| material.emissive *= 1024.0);
@@ -194,7 +194,7 @@ fn display_pixels_match_the_tone_map_formulas() {
             let exposed = Vec3::new(hdr[0], hdr[1], hdr[2]) * stops.exp2();
             let code = curve.encode(exposed) * 255.0;
             let shown = Vec3::new(ldr[0].into(), ldr[1].into(), ldr[2].into());
-            // Rounding to 8 bits, and pow() of the driver.
+            // The tolerance is for rounding to 8 bits and the driver's pow().
             let error = (shown - code).abs().max_element();
             assert!(error < 0.6, "{curve:?}: {hdr:?} became {shown}, not {code}");
             assert_eq!(ldr[3], 255);
@@ -202,8 +202,8 @@ fn display_pixels_match_the_tone_map_formulas() {
     }
 }
 
-/// The cost goes from dark violet to yellow: the green of viridis (van der Walt and Smith 2015) at
-/// 0, 1/4, 1/2, 3/4, 1.
+/// Cost is shown from dark violet to yellow. `green` is the green of viridis (van der Walt and
+/// Smith 2015) at 0, 1/4, 1/2, 3/4 and 1.
 #[test]
 fn cost_is_shown_as_a_heat_map() {
     let green = [1.0, 82.0, 145.0, 201.0, 231.0];
@@ -229,12 +229,12 @@ fn frames_are_averaged() {
         let settings = RenderSettings { view: View::Depth, frames, ..small() };
         render(&scene, settings).expect("a picture")
     };
-    // Edges become smooth: the share of a surface in a pixel is then neither 0 nor 1.
+    // Pixels at smooth edges: the surface's share is neither 0 nor 1.
     let is_partial = |pixel: &&[f32; 4]| pixel[3] > 0.0 && pixel[3] < 1.0;
     assert_eq!(mean_of(1).hdr.iter().filter(is_partial).count(), 0);
     let mean = mean_of(8).hdr;
     assert!(mean.iter().filter(is_partial).count() > 10);
-    // Each frame counts as much as any other: of eight, whole eighths show a surface.
+    // All frames have the same weight: of eight, the share is a multiple of an eighth.
     for pixel in &mean {
         let shown = 8.0 * pixel[3];
         assert!((shown - shown.round()).abs() < 1e-4, "{shown} of 8 frames");
@@ -260,12 +260,12 @@ fn progress_is_reported_and_views_can_be_switched() {
     let scene = floor_in_the_sun();
     let mut seen = Vec::new();
     pollster::block_on(async {
-        // An octree, with light of earlier frames, has all views.
+        // All views need an octree, and light of earlier frames.
         let volume = VolumeKind::Octree;
         let trace = TraceSettings { temporal: true, ..TraceSettings::default() };
         let settings = RenderSettings { frames: 2, bounces: 1, volume, trace, ..small() };
         let mut progress = |p: lumivox_render::RenderProgress| seen.push((p.stage, p.done));
-        // On a device of its own: pipelines that are there already are not counted.
+        // A separate device, as existing pipelines are not counted.
         let mut renderer = Renderer::new(&own_gpu(), &scene, None, settings, &mut progress).await?;
         for view in View::ALL {
             renderer.set_view(view, 0)?;
@@ -278,7 +278,7 @@ fn progress_is_reported_and_views_can_be_switched() {
         Ok::<(), RenderError>(())
     })
     .expect("all views");
-    // As many as there are pipelines to make, counted up.
+    // One step for each missing pipeline, in order.
     let compiled: Vec<_> = seen.extract_if(.., |step| step.0 == "compile").collect();
     assert!(compiled.len() > 20, "{compiled:?}");
     assert!((0..).zip(&compiled).all(|(done, step)| *step == ("compile", done)), "{compiled:?}");

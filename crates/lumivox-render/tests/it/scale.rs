@@ -1,5 +1,5 @@
-//! A scene in millimetres and one in kilometres give the picture of the one in metres: light that
-//! is given as radiance or illuminance does not know how long a metre is.
+//! Tests that a scene in millimetres or in kilometres gives the picture of the scene in metres:
+//! radiance and illuminance do not depend on the unit of length.
 
 use glam::{Mat4, UVec2, Vec3};
 use lumivox_render::{Gpu, Picture, RenderSettings, View};
@@ -33,9 +33,9 @@ fn render(gpu: &Gpu, scene: &Scene) -> Picture {
 fn scaled_scenes_look_the_same() {
     let gpu = gpu();
     let metres = render(&gpu, &atrium(1.0));
-    // Powers of two round nothing, so walls that lie on the voxels' borders stay there; by a factor
-    // of 1000 some fall to the other side, which changes the mean as a shift of the grid does (by
-    // 1.5 % at 32 voxels).
+    // Powers of two scale exactly, so walls on the borders of voxels stay there. With a factor of
+    // 1000, some would move to the other side, which changes the mean like a shift of the grid (1.5
+    // % at 32 voxels).
     for scale in [1.0 / 1024.0, 1024.0] {
         let other = render(&gpu, &atrium(scale));
         let mean = |picture: &Picture| -> f64 {
@@ -44,8 +44,8 @@ fn scaled_scenes_look_the_same() {
         };
         let bias = mean(&other) / mean(&metres) - 1.0;
         assert!(bias.abs() < 0.001, "at {scale}: {:.3} % off", 100.0 * bias);
-        // Near planes and shadow maps follow the size with a rounding of their own: hardly a pixel
-        // of the screen may differ by more than a just visible step.
+        // Near planes and shadow maps are rounded differently, but hardly any pixel of the screen
+        // may differ visibly.
         let differing = other
             .ldr
             .iter()
@@ -56,8 +56,8 @@ fn scaled_scenes_look_the_same() {
     }
 }
 
-/// A board of 40 cm, a metre above 200 m of ground, under a sun at the zenith: its shadow is as
-/// large as a texel of a map of the whole ground, which would blur it to a ramp.
+/// A board of 40 cm, a metre above 200 m of ground, under a sun at the zenith. Its shadow is as
+/// large as a texel of a map of the whole ground, which would blur it.
 #[test]
 fn a_small_object_on_wide_ground_casts_a_shadow() {
     let mut scene = Scene::default();
@@ -81,7 +81,7 @@ fn a_small_object_on_wide_ground_casts_a_shadow() {
     };
     let seen = picture(&mut renderer(&gpu(), &scene, settings));
     let green = |x: usize| seen.hdr[16 * 65 + x][1];
-    // The shadow reaches eight pixels from the middle, and has a sharp edge.
+    // The shadow ends sharply, eight pixels from the centre.
     for (pixel, is_lit) in [(2, true), (18, true), (28, false), (32, false)] {
         assert_eq!(green(pixel) > 120.0, is_lit, "pixel {pixel}: {}", green(pixel));
     }

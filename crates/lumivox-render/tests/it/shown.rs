@@ -1,4 +1,4 @@
-//! Instances that are hidden or not voxelized, and the box that a scene asks its voxels to fill.
+//! Tests of hidden and unvoxelized instances, and of a scene's own grid bounds.
 
 use std::ops::ControlFlow;
 
@@ -19,7 +19,8 @@ fn settings() -> RenderSettings {
     }
 }
 
-/// The Cornell box, with one of its instances marked, and without it. Both fill the same box.
+/// The Cornell box, the box with one marked instance, and the box without that instance. All have
+/// the same grid bounds.
 fn marked(mark: impl Fn(&mut lumivox_scene::Instance)) -> (Scene, Scene, Scene) {
     let mut all = builtin("cornell");
     all.grid_bounds = Some(all.bounds());
@@ -42,7 +43,7 @@ fn hidden_instances_do_not_affect_the_picture() {
     assert!(picture(&mut toggled) == expected, "it is not drawn, lit or in the voxels");
     assert!(full != expected, "the instance can be seen");
     assert_eq!(toggled.voxel_stats().voxels, bare.voxel_stats().voxels);
-    // Shown again and hidden again in the same renderer.
+    // Show the instance and hide it again in the same renderer.
     for (scene, seen) in [(&all, &full), (&hidden, &expected)] {
         pollster::block_on(toggled.set_scene(scene, &mut |_| {})).expect("the same scene");
         assert!(picture(&mut toggled) == *seen);
@@ -85,7 +86,7 @@ fn unvoxelized_instances_are_still_drawn() {
     let voxels = |renderer: &Renderer| renderer.voxel_stats().voxels;
     assert_eq!(voxels(&marked), voxels(&bare));
     assert!(voxels(&full) > voxels(&bare));
-    // Its light is that of the others.
+    // The voxels are the same.
     let [seen, expected] = [&mut marked, &mut bare].map(|renderer| show(renderer, View::Voxels));
     let closer = |(a, b): (&[f32; 4], &[f32; 4])| (a[3] - b[3]).abs() < 1e-6;
     assert!(seen.hdr.iter().zip(&expected.hdr).all(closer));

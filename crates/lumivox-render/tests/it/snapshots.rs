@@ -1,11 +1,11 @@
-//! Pictures compared by FLIP with references that a person has checked.
+//! Compares pictures by FLIP with references that a person has checked.
 //!
-//! The references are `tests/snapshots/NAME.png`. A missing reference fails, and so does one of
-//! another size or one that is no longer rendered: no picture becomes a reference by itself.
-//! `LUMIVOX_BLESS=1` writes them all; look at each before it is committed.
+//! The references are `tests/snapshots/NAME.png`. References that are missing, of another size or
+//! no longer rendered fail: no picture becomes a reference automatically. `LUMIVOX_BLESS=1` writes
+//! all; look at each before you commit it.
 //!
-//! The rendered picture of a failing comparison, and the picture of its differences, are left in
-//! the `snapshots` folder that the message names.
+//! If a comparison fails, the rendered picture and a picture of the differences are in the
+//! `snapshots` folder that the message names.
 
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -20,8 +20,8 @@ use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 use crate::common::kept::MAX_MEAN_FLIP;
 use crate::common::{builtin, gpu, picture, renderer, turned, zoo};
 
-/// Small enough to render all of them in a minute on a software driver, large enough to see what is
-/// wrong.
+/// Small enough to render all pictures in a minute on a software driver, large enough to see
+/// errors.
 fn small() -> RenderSettings {
     RenderSettings {
         size: UVec2::new(160, 90),
@@ -31,7 +31,7 @@ fn small() -> RenderSettings {
     }
 }
 
-/// A picture that is kept.
+/// A picture with a stored reference.
 struct Snapshot {
     name: String,
     scene: &'static str,
@@ -47,8 +47,8 @@ impl Snapshot {
 /// The turned Cornell box.
 const TURNED: &str = "cornell-turned";
 
-/// Every built-in scene but the large ones, and those whose light is compared with closed forms or
-/// has to be zero.
+/// All built-in scenes, except large ones and those whose light other tests compare with closed
+/// forms or zero.
 fn scenes() -> Vec<Snapshot> {
     let known = ["furnace", "panel", "two-rooms-closed"];
     let names = lumivox_scene::builtin::names().iter().copied();
@@ -61,13 +61,13 @@ fn scenes() -> Vec<Snapshot> {
 
 /// One of every material.
 fn materials() -> Vec<Snapshot> {
-    // Drawn transparency: see `MAX_MEAN_FLIP`. Automatic exposure chose these stops.
+    // For transparency: see `MAX_MEAN_FLIP`. The stops are from automatic exposure.
     let settings = RenderSettings { frames: 64, exposure: Exposure::Stops(-1.826), ..small() };
     vec![Snapshot::new("materials", "materials", settings)]
 }
 
-/// Views other than the final one. Normals along an axis have components of 0, which lie right
-/// between two codes of 8 bits, so the normals are those of the turned scene.
+/// Views other than the final one. The view of normals shows the turned scene: along an axis,
+/// normals have components of 0, exactly between two 8-bit codes.
 fn views() -> Vec<Snapshot> {
     let views = [
         ("cornell", View::Direct),
@@ -85,7 +85,7 @@ fn views() -> Vec<Snapshot> {
         .into()
 }
 
-/// Overlays over pictures, and only wires.
+/// Overlays over pictures, and a picture of wires only.
 fn overlays() -> Vec<Snapshot> {
     let over = Overlay { wireframe: Wireframe::Over, grid_box: true, ..Overlay::default() };
     [
@@ -96,7 +96,7 @@ fn overlays() -> Vec<Snapshot> {
     .into()
 }
 
-/// Cornell with one setting each that has code of its own.
+/// Cornell, each time with another setting that selects separate code.
 fn variants() -> Vec<Snapshot> {
     let half = TraceSettings { resolution: TraceResolution::Half, ..TraceSettings::default() };
     let directionality = Directionality::Isotropic;
@@ -138,13 +138,13 @@ fn variants_look_as_before() {
     check(variants());
 }
 
-/// A reference that no test reads would stay for ever.
+/// References that no test reads would never be deleted.
 #[test]
 fn every_snapshot_file_belongs_to_a_test() {
     let snapshots = [scenes(), materials(), views(), overlays(), variants()].into_iter().flatten();
     let known: BTreeSet<String> = snapshots.map(|snapshot| snapshot.name).collect();
     if is_blessing() {
-        // The folder may be another test's to make, a moment from now.
+        // Another test may create the folder later.
         return;
     }
     let files = std::fs::read_dir(reference_path("cornell").with_file_name(""))
@@ -159,8 +159,8 @@ fn every_snapshot_file_belongs_to_a_test() {
     assert!(unused.is_empty(), "no test reads these files; delete them: {unused:?}");
 }
 
-/// The comparison itself: it sees a shift of a pixel and a share of the light, and nothing in equal
-/// pictures.
+/// Tests the comparison: it detects a shift by a pixel and 10 % more light, and no difference
+/// between equal pictures.
 #[test]
 fn the_comparison_sees_small_changes() {
     let size = UVec2::new(160, 90);
@@ -179,8 +179,8 @@ fn the_comparison_sees_small_changes() {
     }
 }
 
-/// Renders all of them and compares each with its reference, or makes it the reference if that is
-/// requested. One renderer shows those of a scene that follow each other.
+/// Renders all snapshots and compares each with its reference, or writes the reference if
+/// requested. Consecutive snapshots of one scene share a renderer.
 fn check(snapshots: Vec<Snapshot>) {
     let gpu = gpu();
     let mut failures = Vec::new();
@@ -204,7 +204,7 @@ fn check(snapshots: Vec<Snapshot>) {
         let path = reference_path(&name);
         if is_blessing() {
             save(&actual, &path);
-            // Past the capture of passing tests' output: this is never silent.
+            // Not `println!`, whose output is captured if the test passes.
             let said = writeln!(std::io::stderr(), "LUMIVOX_BLESS=1 wrote {}", path.display());
             said.expect("stderr takes a line");
         } else if let Err(failure) = compare(&name, &actual, &path) {
@@ -234,7 +234,8 @@ fn reference_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots").join(format!("{name}.png"))
 }
 
-/// Saves a picture of a failure below cargo's target folder, which git ignores; returns its path.
+/// Saves a picture of a failed comparison in cargo's target folder, which git ignores; returns its
+/// path.
 fn leave_behind(name: &str, image: &RgbImage) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("snapshots").join(format!("{name}.png"));
     save(image, &path);
@@ -248,7 +249,7 @@ fn save(image: &RgbImage, path: &Path) {
         .unwrap_or_else(|error| panic!("{} cannot be written: {error}", path.display()));
 }
 
-/// Holds a picture against its reference.
+/// Compares a picture with its reference.
 fn compare(name: &str, actual: &RgbImage, path: &Path) -> Result<(), String> {
     let left = |actual: &RgbImage| leave_behind(&format!("{name}-actual"), actual);
     let shown = path.display();
@@ -284,8 +285,7 @@ fn compare(name: &str, actual: &RgbImage, path: &Path) -> Result<(), String> {
 }
 
 /// The mean FLIP error, 0 to 1 (Andersson et al. 2020, "FLIP: A difference evaluator for
-/// alternating images"), and a picture of it: black where nothing differs, over red to bright
-/// yellow.
+/// alternating images"), and a picture of it: from black (equal) over red to bright yellow.
 fn flip(reference: &RgbImage, actual: &RgbImage) -> (f32, RgbImage) {
     let [reference, actual] = [reference, actual]
         .map(|image| FlipImageRgb8::with_data(image.width(), image.height(), image));

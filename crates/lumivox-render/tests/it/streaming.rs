@@ -1,4 +1,4 @@
-//! Geometry that comes and goes with the camera, where the GPU is not to hold all of it.
+//! Tests of geometry that is streamed with the camera, within a budget of GPU memory.
 
 use glam::{Mat4, UVec2, Vec3, Vec4};
 use lumivox::{CascadeOptions, TraceSettings, VolumeKind};
@@ -11,12 +11,12 @@ use crate::common::{gpu, mean_luminance, picture, renderer};
 
 const TILES: u32 = 24;
 const TILE_M: f32 = 4.0;
-/// Quads along each edge of a tile: its vertices fill most of a part.
+/// Quads along each edge of a tile, whose vertices nearly fill a batch.
 const QUADS: u32 = 64;
 /// The size of a few tiles, bytes.
 const BUDGET: u64 = 2 << 20;
 
-/// A way of hilly tiles along x, each a mesh of its own, with a red post on every fourth of them.
+/// A row of hilly tiles along x, each a separate mesh, with a red post on every fourth tile.
 fn way() -> Scene {
     let mut scene = Scene {
         environment: Environment { radiance: Vec3::splat(100.0), ..Environment::default() },
@@ -57,7 +57,7 @@ fn hills(tile: u32) -> Mesh {
     }
 }
 
-/// Over the way, looking down.
+/// A camera above the tiles that looks down.
 fn camera(along_m: f32) -> Camera {
     let eye = Vec3::new(along_m, 2.5, 0.5 * TILE_M);
     Camera::look_at(eye, eye + Vec3::new(0.8, -1.5, 0.0), 0.9)
@@ -87,8 +87,8 @@ fn new_at(gpu: &Gpu, scene: &Scene, camera: &Camera, settings: RenderSettings) -
 }
 
 /// The nearest geometry is resident, within the budget, and the missing part is reported. If that
-/// part is not visible, the picture is nearly that of the whole scene; if all fits the budget, it
-/// is that picture.
+/// part is invisible, the picture is nearly that of the whole scene; if everything fits the budget,
+/// both are equal.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn near_geometry_is_resident_and_the_rest_is_reported() {
@@ -111,7 +111,7 @@ fn near_geometry_is_resident_and_the_rest_is_reported() {
     assert!((shown / whole - 1.0).abs() < 0.02, "{shown} of {whole}");
 }
 
-/// A still picture after the camera has moved is that of a new renderer there, to the bit.
+/// After the camera has moved, a still picture is bit-identical to a new renderer's.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn streamed_geometry_matches_a_fresh_renderer_after_moving() {
@@ -127,8 +127,8 @@ fn streamed_geometry_matches_a_fresh_renderer_after_moving() {
     assert!(mean_luminance(&shown) > 1.0, "nothing is there");
 }
 
-/// In motion no frame fails, none has more than the budget, and the ground under the camera is
-/// always there.
+/// In motion, no frame fails or exceeds the budget, and the ground below the camera is always
+/// resident.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn geometry_streams_in_around_a_moving_camera() {
@@ -137,7 +137,7 @@ fn geometry_streams_in_around_a_moving_camera() {
     let settings = RenderSettings { trace, frames: 1, ..settings(Some(BUDGET)) };
     let mut moving = renderer(&gpu, &scene, settings.clone());
     let mut darkest = f64::MAX;
-    // Over seven tiles.
+    // The camera passes over seven tiles.
     for step in 0..30_u8 {
         moving.set_camera(camera(6.0 + f32::from(step)));
         pollster::block_on(moving.render_frame()).expect("a frame");
@@ -153,7 +153,7 @@ fn geometry_streams_in_around_a_moving_camera() {
     assert!((arrived / expected - 1.0).abs() < 0.05, "{arrived}, not {expected}");
 }
 
-/// Another budget is for another renderer, and scenes can be uploaded with one by themselves.
+/// A renderer's budget cannot change. Scenes can also be uploaded with a budget without a renderer.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn changing_the_geometry_budget_needs_a_new_renderer() {

@@ -1,12 +1,12 @@
-//! The renderer against the path tracer, small and fast: a guard for what docs/generated/quality.md
-//! publishes.
+//! Compares the renderer with the path tracer, small and fast, to guard the figures of
+//! docs/generated/quality.md.
 //!
 //! 48 x 36 pixels, 64 voxels, the default preset, 16 frames; 128 samples a pixel for the reference,
-//! whose mean is then certain to 0.5 % in the noisiest scene. Half the published resolution and few
-//! frames cost some accuracy, so the bounds are those of this setting: what was measured on
-//! llvmpipe, rounded away from zero, and a margin of one point for other drivers. They reach from
-//! there to one point beyond zero, so that a change which comes nearer to the truth passes, and one
-//! that is farther from it by two points fails, whatever snapshots say.
+//! whose mean then has an error of 0.5 % in the noisiest scene. Half the published resolution and
+//! few frames cost some accuracy, so the bounds are for these settings: the value measured on
+//! llvmpipe, rounded away from zero, plus a margin of one point for other drivers. On the other
+//! side, the bound is one point beyond zero. So a change towards the truth passes, and one that is
+//! two points farther from it fails.
 
 use std::ops::ControlFlow;
 
@@ -59,7 +59,7 @@ fn assert_true(
 fn the_cornell_box_matches_the_path_tracer() {
     let truth = truth("cornell");
     assert_true("cornell", &figures(&builtin("cornell"), &truth), [-3.0..=3.0, -3.0..=3.0], 12.0);
-    // Turned against the grid, the scene gives the same picture.
+    // The scene turned against the grid has the same truth.
     let figures = figures(&turned("cornell"), &truth);
     assert_true("turned cornell", &figures, [-3.0..=3.0, -3.0..=3.0], 11.0);
 }
@@ -80,7 +80,7 @@ fn light_through_a_doorway_matches_the_path_tracer() {
 #[ignore = "slow: traces paths"]
 fn the_atrium_matches_the_path_tracer() {
     let truth = truth("atrium");
-    // llvmpipe: +2.3 and +4.4 %. Parapets that share voxels with the columns behind them are lit by
-    // the sun here as they should be; when they were not, +0.1 and +2.2 %.
+    // llvmpipe: +2.3 and +4.4 %. Without the sun on parapets that share voxels with the columns
+    // behind them, +0.1 and +2.2 %.
     assert_true("atrium", &figures(&builtin("atrium"), &truth), [-1.0..=3.0, -1.0..=5.0], 23.0);
 }

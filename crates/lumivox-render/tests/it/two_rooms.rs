@@ -1,5 +1,5 @@
-//! Two rooms with a wall of 5 mm between them, thinner than a voxel, and a lamp in one. What is
-//! bright in the other came through the doorway, or leaked.
+//! Tests with two rooms, separated by a wall of 5 mm, thinner than a voxel, and a lamp in one room.
+//! Light in the other room came through the doorway, or leaked.
 
 use glam::{UVec2, Vec3};
 use lumivox_render::{Picture, RenderSettings, Renderer, View};
@@ -7,7 +7,7 @@ use lumivox_scene::Scene;
 
 use crate::common::{builtin, camera, gpu, mean_luminance, picture, renderer};
 
-/// The wall's place between the voxels decides how much leaks, at coarse levels most of all.
+/// The wall's position within voxels determines the leak, most of all at coarse levels.
 const GRID_OFFSETS: [Vec3; 3] = [Vec3::ZERO, Vec3::new(0.5, 0.25, 0.75), Vec3::new(0.25, 0.6, 0.1)];
 
 struct Rooms {
@@ -42,15 +42,15 @@ impl Rooms {
         picture(&mut self.renderer)
     }
 
-    /// The share of a room's pixels that the lamp itself lights.
+    /// The share of a room's pixels that the lamp lights directly.
     fn share_in_the_lamps_light(&mut self, room: &str) -> f64 {
         let direct = self.show(room, View::Direct).hdr;
         let lit = direct.iter().filter(|[r, g, b, _]| r.max(*g).max(*b) > 0.0).count();
         lit as f64 / direct.len() as f64
     }
 
-    /// Mean irradiance by indirect light in the dark room, as a share of that in the lit one. The
-    /// cameras mirror each other, so they see the same surfaces except for the end walls' colours.
+    /// Mean indirect irradiance in the dark room, as a share of the lit room's. The cameras mirror
+    /// each other, so they see the same surfaces, except for the colours of the end walls.
     fn indirect_share(&mut self) -> f64 {
         let mut mean = |room| mean_luminance(&self.show(room, View::Diffuse));
         mean("dark room") / mean("lit room")
@@ -60,9 +60,9 @@ impl Rooms {
 #[test]
 #[ignore = "slow: 128 voxels"]
 fn a_wall_thinner_than_a_voxel_keeps_the_dark_room_dark() {
-    // llvmpipe, at the three offsets: 0.25, 0.36 and 0.26 % by only the gather at the pixels, 0.54,
-    // 0.83 and 0.56 % if three gathers in the voxels carry that on. The second offset puts both
-    // sides of the wall into the middle of one voxel. The bounds leave a quarter.
+    // llvmpipe, at the three offsets: 0.25, 0.36 and 0.26 % by the gather at the pixels, 0.54, 0.83
+    // and 0.56 % with three more gathers in the voxels. The second offset puts both sides of the
+    // wall into the middle of one voxel. The bounds have a margin of a quarter.
     for offset in GRID_OFFSETS {
         let mut rooms = Rooms::new("two-rooms-closed", 128, offset, 1);
         for (bounces, most) in [(1, 0.0046), (4, 0.0105)] {
@@ -74,8 +74,7 @@ fn a_wall_thinner_than_a_voxel_keeps_the_dark_room_dark() {
     }
 }
 
-/// Shadow maps know nothing of voxels, whatever their size: not one pixel behind the wall sees the
-/// lamp.
+/// Shadow maps do not depend on the size of voxels: the lamp lights no pixel behind the wall.
 #[test]
 fn the_lamp_does_not_shine_through_the_wall() {
     let mut rooms = Rooms::new("two-rooms-closed", 16, Vec3::ZERO, 0);
@@ -97,7 +96,7 @@ fn the_doorway_lets_light_into_the_dark_room() {
         (0.3..0.6).contains(&direct),
         "{direct} of the dark room's picture is in the lamp's light"
     );
-    // llvmpipe: 21.8 %, of which the closed wall leaks 1. Below 15, a third of the difference would
-    // be missing; the dark room cannot outshine the lit one.
+    // llvmpipe: 21.8 %, including a leak of 1 %. Below 15 %, a third of the light would be missing;
+    // the upper bound is far below the lit room's light.
     assert!((0.15..0.5).contains(&indirect), "the dark room has {indirect} of the lit one's light");
 }

@@ -62,7 +62,7 @@ impl WireVoxels {
         background: [f32; 4],
         frame: &TextureView,
     ) {
-        // Without a voxel list there is no occupancy to show.
+        // Occupancy only exists once there is a voxel list.
         let Some(voxels) = gi.voxels() else { return };
         let settings = WireSettings {
             color: WIRE_VOXEL_COLOR,

@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use lumivox_render::{Gpu, GpuOptions};
 
-/// The device of all tests of this program: the shaders that they share are linked and compiled
-/// once. Its limits are WebGPU's defaults, so that what passes here runs in a browser.
+/// The device of all tests of this program, so that shared shaders are linked and compiled once.
+/// Its limits are WebGPU's defaults, as in a browser.
 ///
 /// # Panics
 /// When there is no adapter.
@@ -14,7 +14,7 @@ pub fn gpu() -> Gpu {
     SHARED.get_or_init(own_gpu).clone()
 }
 
-/// Another such device, for a test that counts what is on it.
+/// Another such device, for a test that counts its resources.
 ///
 /// # Panics
 /// When there is no adapter.

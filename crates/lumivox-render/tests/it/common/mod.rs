@@ -25,7 +25,7 @@ pub fn turned(name: &str) -> Scene {
     scene
 }
 
-/// A scene, lit and ready to be rendered from its first camera.
+/// A renderer of a scene from its first camera.
 ///
 /// # Panics
 /// When the device refuses.
@@ -33,7 +33,7 @@ pub fn renderer(gpu: &Gpu, scene: &Scene, settings: RenderSettings) -> Renderer 
     pollster::block_on(Renderer::new(gpu, scene, None, settings, &mut |_| {})).expect("a renderer")
 }
 
-/// The picture of all frames.
+/// The picture with all frames.
 ///
 /// # Panics
 /// When the device refuses.
@@ -49,7 +49,7 @@ pub fn camera(scene: &Scene, name: &str) -> Camera {
     scene.cameras.iter().find(|camera| camera.name == name).expect("a camera of that name").clone()
 }
 
-/// Mean luminance (Rec. 709) of the pixels that a surface fills, in the picture's unit.
+/// Mean luminance (Rec. 709) of the pixels filled by surfaces, in the picture's unit.
 ///
 /// # Panics
 /// When there is no such pixel, or a value is not finite.

@@ -1,12 +1,12 @@
-//! A model of cones of the tests' own, on the library's hook.
+//! A cone model for tests, on the library's hook.
 
 use lumivox::hooks::ConeModel;
 
-/// Cones that point at the middle of their cells, the same in each frame, and show a share of the
-/// light.
+/// Cones with the same directions in each frame, the centres of their cells, that return a share of
+/// the light.
 #[derive(Clone, Copy, Debug)]
 pub struct StillCones {
-    /// 1 is the physics.
+    /// The share of the light; 1 is physical.
     pub share: f32,
 }
 

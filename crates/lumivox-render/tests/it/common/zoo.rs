@@ -1,4 +1,4 @@
-//! One of every material, on a checkered floor under sun and sky.
+//! A scene with one of every material, on a checkered floor under sun and sky.
 
 use glam::{Affine2, Mat4, Vec2, Vec3, Vec4};
 use lumivox_scene::{
@@ -13,7 +13,7 @@ pub const RADIUS_M: f32 = 0.3;
 /// The scene.
 ///
 /// # Panics
-/// Never: its parts are there.
+/// Never: all parts of the scene exist.
 pub fn scene() -> Scene {
     let mut scene = Scene { name: "materials".to_owned(), ..Scene::default() };
     scene.environment.radiance = Vec3::new(1.2, 1.6, 2.2);
@@ -71,7 +71,7 @@ pub fn scene() -> Scene {
         );
     }
 
-    // Behind: leaves, panes of coloured glass one before the other, arrows turned by their
+    // Behind: leaves, panes of coloured glass in front of each other, arrows turned by texture
     // transforms.
     let upright = |x: f32, z: f32| quad(Vec3::new(x, 0.75, z), Vec3::X * 0.45, Vec3::Y * 0.75);
     let mut leaves = textured(Material::diffuse("leaves", Vec3::ONE), TextureRef::new(leaf));
@@ -208,7 +208,7 @@ fn add_texture(
     scene.textures.len() - 1
 }
 
-/// Puts a mesh of one material into the scene.
+/// Adds a mesh with one material to the scene.
 pub fn place(scene: &mut Scene, mesh: Mesh, material: Material, world_from_local: Mat4) {
     let name = material.name.clone();
     scene.meshes.push(Mesh { name: name.clone(), ..mesh });
@@ -222,8 +222,8 @@ pub fn place(scene: &mut Scene, mesh: Mesh, material: Material, world_from_local
     });
 }
 
-/// A rectangle of half the edges `u` and `v`, which faces `u` cross `v`; the image's right lies
-/// along `u`, its top along `v`.
+/// A rectangle with half edges `u` and `v` that faces `u` cross `v`. The right of an image is along
+/// `u`, its top along `v`.
 pub fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
     Mesh {
         positions: vec![center - u - v, center + u - v, center + u + v, center - u + v],

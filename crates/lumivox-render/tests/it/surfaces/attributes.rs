@@ -1,4 +1,4 @@
-//! Coordinates, transforms and colours of vertices in pictures and shadows.
+//! Tests of texture coordinates, transforms and vertex colours in pictures and shadows.
 
 use glam::{Affine2, Mat4, UVec2, Vec2, Vec3, Vec4};
 use lumivox_render::{RenderSettings, View};
@@ -15,8 +15,7 @@ fn quarters(scene: &Scene, view: View) -> [Vec3; 4] {
         .map(|(x, y)| mean_of(&picture, UVec2::new(x, y), UVec2::new(x + 10, y + 10)))
 }
 
-/// Exactly what the camera sees of the plane z = 0: texture coordinates from 0 to 1 over the
-/// picture.
+/// A quad that exactly fills the picture, in the plane z = 0, with texture coordinates from 0 to 1.
 fn screen() -> lumivox_scene::Mesh {
     let half = 4.0 * 0.15_f32.tan();
     quad(Vec3::ZERO, Vec3::X * half, Vec3::Y * half)
@@ -49,7 +48,7 @@ fn assert_quarters(what: &str, actual: [Vec3; 4], expected: [Vec3; 4]) {
 fn textures_use_their_transform_and_uv_set() {
     let plain = textured(TextureRef::new(0));
     assert_quarters("plain", quarters(&plain, View::Albedo), [RED, GREEN, BLUE, WHITE]);
-    // A quarter turn: (u, v) becomes (v, 1 - u); then half the picture along u.
+    // First a quarter turn: (u, v) becomes (v, 1 - u); then the right half of the texture.
     let transform = Affine2::from_cols(Vec2::new(0.0, -1.0), Vec2::X, Vec2::Y);
     let turned = textured(TextureRef { transform, ..TextureRef::new(0) });
     assert_quarters("turned", quarters(&turned, View::Albedo), [BLUE, RED, WHITE, GREEN]);
@@ -63,7 +62,7 @@ fn textures_use_their_transform_and_uv_set() {
     let mesh = &mut mirrored.meshes[0];
     mesh.uvs1 = mesh.uvs.iter().map(|uv| Vec2::new(1.0 - uv.x, uv.y)).collect();
     assert_quarters("two sets", quarters(&mirrored, View::Albedo), [GREEN, RED, WHITE, BLUE]);
-    // And under layers.
+    // Also under layers.
     mirrored.materials[0].clearcoat = Clearcoat { strength: 1.0, ..Clearcoat::default() };
     assert_quarters("varnished", quarters(&mirrored, View::Albedo), [GREEN, RED, WHITE, BLUE]);
 }
@@ -71,8 +70,7 @@ fn textures_use_their_transform_and_uv_set() {
 #[test]
 fn vertex_colours_multiply_the_base_colour_and_nothing_else() {
     let mut scene = textured(TextureRef::new(0));
-    // The picture's corners in the order of the mesh: lower left, lower right, upper right, upper
-    // left.
+    // Vertices are in the order lower left, lower right, upper right, upper left.
     let tint = Vec4::new(0.5, 0.25, 1.0, 1.0);
     scene.meshes[0].colors = vec![tint; 4];
     let tint = tint.truncate();
@@ -80,7 +78,7 @@ fn vertex_colours_multiply_the_base_colour_and_nothing_else() {
     assert_quarters("tinted", quarters(&scene, View::Albedo), expected);
     scene.materials[0].emissive = Vec3::ONE;
     assert_quarters("emission", quarters(&scene, View::Direct), [WHITE; 4]);
-    // Between vertices they vary evenly: the middles of the quarters lie at a quarter and three
+    // Colours are interpolated linearly: the centres of the quarters are at a quarter and three
     // quarters.
     let mut ramp = textured(TextureRef::new(0));
     ramp.textures[0] = texture(1, 1, |_, _| [255; 4]);
@@ -89,7 +87,8 @@ fn vertex_colours_multiply_the_base_colour_and_nothing_else() {
     assert_quarters("ramp", quarters(&ramp, View::Albedo), expected);
 }
 
-/// A wall of 45 degrees that becomes three times as high leans less, and so does its normal.
+/// If a wall at 45 degrees becomes three times as high, it is steeper, and its normal turns with
+/// it.
 #[test]
 fn normals_are_correct_under_nonuniform_scale() {
     let mut scene = scene();
@@ -123,7 +122,7 @@ fn normal_textures_bend_along_tangent_and_bitangent() {
     }
 }
 
-/// A masked texture is cut where its own coordinates say, in the picture and in the shadow.
+/// Masks use the coordinates of their texture, in the picture and in the shadow.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn masks_use_their_own_texture_coordinates() {
@@ -137,8 +136,8 @@ fn masks_use_their_own_texture_coordinates() {
     };
     let mut mesh = screen();
     mesh.uvs1 = mesh.uvs.iter().map(|uv| Vec2::new(0.0, uv.x)).collect();
-    // Along the first set the mask is whole; along the second, turned by the transform, it ends in
-    // the middle.
+    // With the first set, the mask is opaque everywhere; with the second, turned by the transform,
+    // it ends in the middle.
     mesh.uvs = vec![Vec2::splat(0.25); 4];
     add(&mut scene, mesh, mask);
     let transform = Affine2::from_cols(Vec2::Y, Vec2::X, Vec2::ZERO);
@@ -152,8 +151,8 @@ fn masks_use_their_own_texture_coordinates() {
     );
     let shown = quarters(&scene, View::Albedo);
     assert_quarters("mask", shown, [WHITE, Vec3::ZERO, WHITE, Vec3::ZERO]);
-    // From the side, the shadow of the left half lies on the right half of the wall, and only what
-    // the mask leaves free is lit.
+    // In light from the side, the shadow of the left half is on the right half of the wall; only
+    // holes of the mask let light through.
     scene.lights.push(Light {
         kind: LightKind::Directional,
         intensity: 1.0,

@@ -1,4 +1,4 @@
-//! Varnish, velvet, coloured gloss, and what takes no light.
+//! Tests of clear coat, sheen, coloured gloss, and unlit surfaces.
 
 use std::f32::consts::PI;
 
@@ -13,7 +13,7 @@ use crate::surfaces::stage::*;
 
 const ANGLES: [f32; 2] = [0.0, 1.2];
 
-/// A large plane seen under an angle against its normal.
+/// A large plane, seen at an angle to its normal.
 fn seen_under(angle: f32, material: Material) -> Scene {
     let mut scene = scene();
     add(&mut scene, quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::NEG_Z * 4.0), material);
@@ -32,15 +32,14 @@ fn fresnel(f0: f32, angle: f32) -> f32 {
     f0 + (1.0 - f0) * (1.0 - angle.cos()).powi(5)
 }
 
-/// The radiance of a dielectric of albedo 0.5 in a sky of radiance 1: diffuse light below the
-/// gloss, and gloss, integrated over the directions of light (GGX, height-correlated Smith,
-/// Schlick).
+/// The radiance of a dielectric of albedo 0.5 under a sky of radiance 1: gloss and the diffuse
+/// light below it, integrated over directions of light (GGX, height-correlated Smith, Schlick).
 fn dielectric_in_even_light(roughness: f32, angle: f32) -> f32 {
     const STEPS: u32 = 256;
     let (alpha_2, view) = (roughness.powi(4), Vec3::new(angle.sin(), 0.0, angle.cos()));
     let lambda = |z: f32| (alpha_2 + (1.0 - alpha_2) * z * z).sqrt();
     let mut sum = 0.0;
-    // Evenly over the squared sine and the azimuth, as the cosine weighs the hemisphere.
+    // Uniform in the squared sine and the azimuth: cosine-weighted over the hemisphere.
     for i in 0..STEPS {
         for j in 0..STEPS {
             let sine_2 = (i as f32 + 0.5) / STEPS as f32;
@@ -58,7 +57,7 @@ fn dielectric_in_even_light(roughness: f32, angle: f32) -> f32 {
     (sum / f64::from(STEPS * STEPS)) as f32
 }
 
-/// From the front to grazing angles, a floor in an even sky has the light that its BRDF gives it.
+/// From normal to grazing angles, a floor under a uniform sky has the light computed from its BRDF.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_dielectric_in_uniform_light_matches_its_brdf() {
@@ -77,8 +76,8 @@ fn a_dielectric_in_uniform_light_matches_its_brdf() {
     }
 }
 
-/// Walls that glow evenly light a rough metal as an even sky does. Points on emitters count for all
-/// draws of a pixel, also for those whose own direction lies below the surface.
+/// Walls that glow uniformly light a rough metal like a uniform sky. Points on emitters count for
+/// all draws of a pixel, even if a draw's direction is below the surface.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn glowing_walls_light_metal_like_a_uniform_sky() {
@@ -102,8 +101,8 @@ fn glowing_walls_light_metal_like_a_uniform_sky() {
     }
 }
 
-/// A metal reflects the edge of a lamp of one pair of triangles, and of 256 pairs: in the first
-/// frame nearly as in the mean of many.
+/// A metal reflects the edge of a lamp of one or 256 pairs of triangles: in the first frame nearly
+/// as in the mean of many.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_metal_reflects_the_edge_of_a_lamp_in_one_frame() {
@@ -119,7 +118,7 @@ fn a_metal_reflects_the_edge_of_a_lamp_in_one_frame() {
         let size = 2.0 / tiles as f32;
         let at = |i: u32| size * (2.0 * i as f32 + 1.0);
         for (x, z) in (0..tiles).flat_map(|x| (0..tiles).map(move |z| (x, z))) {
-            // The eye sees the lamp's edge in the middle of the floor.
+            // The lamp's edge is reflected in the middle of the floor.
             let middle = Vec3::new(-2.0 * 0.6_f32.tan() - at(x), 2.0, at(z) - 2.0);
             add(&mut scene, quad(middle, Vec3::X * size, Vec3::Z * size), glow.clone());
         }
@@ -132,7 +131,7 @@ fn a_metal_reflects_the_edge_of_a_lamp_in_one_frame() {
         let squares = truth.iter().zip(&first).map(|(a, b)| (a[1] - b[1]).powi(2));
         let noise = (squares.sum::<f32>() / truth.len() as f32).sqrt() / mean;
         println!("{tiles} x {tiles} tiles: {mean}, noise {noise}");
-        // Half of the lobe meets the lamp.
+        // Half of the lobe hits the lamp.
         assert!((mean / 0.45 - 1.0).abs() < 0.1, "{mean}");
         assert!(noise < limit, "{noise}");
     }
@@ -142,8 +141,8 @@ fn coat(strength: f32, roughness: f32) -> Clearcoat {
     Clearcoat { strength, roughness, texture: None }
 }
 
-/// Varnished metal with a rough normal map, seen at a grazing angle in a sky of one: whatever a
-/// bent normal mirrors comes from above the surface, so that no pixel is black.
+/// Varnished metal with a rough normal map, seen at a grazing angle under a sky of radiance 1:
+/// mirrored directions of bent normals are above the surface, so that no pixel is black.
 #[test]
 fn bent_normals_leave_no_dark_rim() {
     for angle in [1.2, 1.5] {
@@ -154,7 +153,7 @@ fn bent_normals_leave_no_dark_rim() {
             ..metallic_roughness(mirror)
         };
         let mut scene = seen_under(angle, material);
-        // Bumps of up to 45 degrees, all ways.
+        // Bumps of up to 45 degrees, in all directions.
         scene.textures.push(texture(16, 16, |x, y| {
             let bump = |n: u32| 128 + (((n * 7919) % 180) as i32 - 90);
             [bump(x + 3 * y) as u8, bump(5 * x + 2 * y + 1) as u8, 220, 255]
@@ -170,8 +169,8 @@ fn bent_normals_leave_no_dark_rim() {
     }
 }
 
-/// White paint under varnish in a sky of one: the coat reflects the light that it takes from the
-/// paint. On black paint only the coat is seen; on a mirror both lobes are drawn in turns.
+/// White paint under varnish and a sky of radiance 1: the coat reflects exactly the light that does
+/// not reach the paint. On black paint only the coat reflects; on a mirror both lobes are sampled.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn clearcoat_conserves_energy() {
@@ -182,7 +181,7 @@ fn clearcoat_conserves_energy() {
             under_the_sky(angle, Material { clearcoat: coat(strength, 0.1), ..paint })
         };
         assert_near("white", varnished(1.0, 1.0), Vec3::ONE, 0.02);
-        // 8 bits of a strength, and the lobe's width at a grazing angle.
+        // The tolerance is for a strength of 8 bits, and the lobe's width at grazing angles.
         assert_near("black", varnished(0.0, 1.0), Vec3::splat(reflected), 0.02);
         assert_near("half", varnished(0.0, 0.5), Vec3::splat(0.5 * reflected), 0.01);
         let mirror = metallic_roughness(MetallicRoughness {
@@ -194,12 +193,12 @@ fn clearcoat_conserves_energy() {
         let gold = Vec3::new(1.0, 0.5, 0.2).map(|f0| fresnel(f0, angle));
         let expected = reflected + (1.0 - reflected) * gold;
         let both = under_the_sky(angle, Material { clearcoat: coat(1.0, 0.25), ..mirror });
-        // A rough coat at a grazing angle loses what would be reflected into the surface.
+        // At grazing angles, a rough coat loses the light that it would reflect into the surface.
         assert_near("gold", both, expected, 0.02 + 0.1 * reflected);
     }
 }
 
-/// Under a lamp the coat is a second lobe: the formulas once more, on the CPU.
+/// Under a lamp the coat adds a second lobe, compared with the formulas on the CPU.
 #[test]
 fn clearcoat_has_its_own_highlight() {
     let roughness = 0.5_f32;
@@ -230,7 +229,7 @@ fn clearcoat_has_its_own_highlight() {
         let expected = 100.0 * light.y * (below * 0.6 / PI + lobe);
         let [r, ..] = picture.hdr[at];
         println!("{angle}: {r}, of {expected}");
-        // Half floats, normals of 11 bits, 8 bits of strength, and a pixel off the middle.
+        // For half floats, normals of 11 bits, a strength of 8 bits, and a pixel off the centre.
         assert!((r / expected - 1.0).abs() < 0.02, "{angle}: {r}, not {expected}");
     }
 }
@@ -286,8 +285,8 @@ fn unlit_surfaces_are_scaled_by_reference_white() {
     });
     let shown = mean(&render(&scene, RenderSettings { bounces: 2, ..settings(View::Final) }));
     assert_near("unlit", shown, color * (100.0 / PI), 0.01 * 100.0 / PI);
-    // It lights nothing itself, and reflects as its colour: the wall beside it takes no light but
-    // what the floor sends on from the sun.
+    // An unlit surface does not emit light, and reflects diffusely: the wall beside it receives
+    // only the sun's light that the floor reflects.
     let wall = quad(Vec3::new(-1.0, 1.0, 0.0), -Vec3::Z * 2.0, Vec3::Y);
     add(&mut scene, wall, Material::diffuse("wall", Vec3::ONE));
     scene.cameras = vec![Camera::look_at(Vec3::new(1.0, 0.5, 0.0), Vec3::new(-1.0, 0.5, 0.0), 0.2)];

@@ -1,5 +1,5 @@
-//! Materials in pictures, shadows and voxels, against closed forms: layers, transparency,
-//! attributes of vertices, sides.
+//! Tests of materials in pictures, shadows and voxels against closed forms: layers, transparency,
+//! vertex attributes, sides.
 
 mod attributes;
 mod layers;

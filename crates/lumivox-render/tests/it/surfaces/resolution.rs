@@ -1,4 +1,4 @@
-//! Cones from one pixel of four: what the others take from their neighbours.
+//! Tests of cones at half resolution, with light of neighbours for the other pixels.
 
 use std::sync::Arc;
 
@@ -29,8 +29,9 @@ fn black_box() -> Scene {
     scene
 }
 
-/// A pane under an open sky before the bottom of a deep black box, both facing the camera: over the
-/// edge between them neighbours have the same normal, but lie in another plane, and lend nothing.
+/// A pane under an open sky in front of the bottom of a deep black box; both face the camera.
+/// Neighbours across the edge have the same normal but are in another plane, so their light is not
+/// used.
 #[test]
 fn half_resolution_does_not_blend_across_surfaces() {
     let mut scene = black_box();
@@ -57,8 +58,8 @@ fn half_resolution_does_not_blend_across_surfaces() {
     }
 }
 
-/// A post as thin as a pixel before the bottom of such a box: the traced pixels beside it lie in
-/// the dark, and lend it nothing. So it is traced itself, in a single frame too.
+/// A post as thin as a pixel in front of the bottom of such a box: the traced pixels beside it do
+/// not match, so the post is traced itself, even in a single frame.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn half_resolution_traces_pixels_without_matching_neighbours() {
@@ -77,7 +78,7 @@ fn half_resolution_traces_pixels_without_matching_neighbours() {
         [14, 15, 16].map(|x: u32| mean_of(&picture, (x, 8).into(), (x + 1, 24).into()).x)
     });
     println!("full {full:?}, half {half:?}");
-    // The first frame traces even columns; the post is an odd one.
+    // The first frame traces even columns; the post is in an odd one.
     assert!(full[1] > 0.9 && full[0] < 0.5, "or else nothing is tested: {full:?}");
     assert!((half[1] - full[1]).abs() < 1e-3, "{half:?} are not {full:?}");
 }

@@ -1,4 +1,4 @@
-//! Light from behind: what a wall of one side or of two blocks, and what is seen of it.
+//! Tests of single-sided and double-sided walls with light from behind.
 
 use glam::Vec3;
 use lumivox_render::{RenderSettings, ShadowMethod, View};
@@ -6,12 +6,12 @@ use lumivox_scene::{Camera, Light, LightKind, Material, Scene, TextureRef};
 
 use crate::surfaces::stage::*;
 
-/// In the middle of a voxel: if a wall of two sides is at a voxel's edge, cones that start on it
-/// see its other side (6 % of its light).
+/// In the middle of a voxel: if a double-sided wall is at a voxel's edge, cones that start on it
+/// see the other side (6 % of its light).
 const WALL_X: f32 = 0.03;
 
-/// A white wall that faces +x, on a white floor, with a lamp at one side; the camera looks down at
-/// the floor on the side of +x or -x.
+/// A white wall that faces +x, on a white floor, with a lamp on one side; the camera looks down at
+/// the floor around `seen_x`.
 fn wall(double_sided: bool, lamp_x: f32, seen_x: f32) -> Scene {
     let mut scene = scene();
     let white = Material::diffuse("white", Vec3::splat(0.8));
@@ -28,8 +28,7 @@ fn wall(double_sided: bool, lamp_x: f32, seen_x: f32) -> Scene {
     scene
 }
 
-/// Both sides of every wall cast shadows, in maps and for cones: a wall of one side blocks from
-/// behind as well.
+/// Both sides of every wall cast shadows, in maps and for cones, even if the wall is single-sided.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_lamp_behind_a_wall_does_not_shine_through() {
@@ -40,19 +39,19 @@ fn a_lamp_behind_a_wall_does_not_shine_through() {
                 let settings = RenderSettings { shadows, resolution: 64, ..settings(View::Direct) };
                 mean(&render(&scene, settings)).x
             };
-            // The wall faces what is seen, and the lamp is behind it.
+            // The wall faces the visible floor, and the lamp is behind the wall.
             let behind = lit(-0.7, 0.7);
             let beside = lit(0.7, 0.7);
             assert!(beside > 1.0, "the lamp lights its own side: {beside}");
             assert!(behind < 0.01 * beside, "{shadows:?}, {double_sided}: {behind} of {beside}");
-            // The wall faces the lamp, and what is seen is behind it.
+            // The wall faces the lamp, and the visible floor is behind the wall.
             let behind = lit(0.7, -0.7);
             assert!(behind < 0.01 * beside, "{shadows:?}, {double_sided}: {behind} of {beside}");
         }
     }
 }
 
-/// Cones pass the back of a wall that is open from behind, and no other side.
+/// Cones pass the back of a wall that is open from behind, but not its front.
 #[test]
 fn an_open_back_lets_light_pass() {
     let lit = |lamp_x, seen_x| {
@@ -73,7 +72,7 @@ fn an_open_back_lets_light_pass() {
     assert!(to_the_back < 0.01 * beside, "{to_the_back} of {beside}");
 }
 
-/// Light that the wall itself reflects: light on the lamp's side, none on the other.
+/// A wall reflects light only on the lamp's side.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_wall_lit_from_behind_stays_dark_in_front() {
@@ -89,8 +88,8 @@ fn a_wall_lit_from_behind_stays_dark_in_front() {
     }
 }
 
-/// Walls of two sides that end where they meet: whichever half of its voxels a wall is in, cones
-/// along it start in the room and not outside, where it is dark.
+/// A room of double-sided walls: whichever half of its voxels a wall is in, cones near it start
+/// inside the room, and not outside, where it is dark.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_room_of_two_sided_walls_has_no_dark_edges() {
@@ -105,7 +104,7 @@ fn a_room_of_two_sided_walls_has_no_dark_edges() {
     room.cameras = vec![Camera::look_at(Vec3::ZERO, Vec3::new(-1.0, -1.0, 0.0), 0.2)];
     for eighths in [3, 5] {
         let grid_offset = Vec3::splat(0.125 * eighths as f32);
-        // A pixel draws one point of all walls in a frame.
+        // Each frame samples one point of all walls for a pixel.
         let drawn = RenderSettings { frames: 256, ..settings(View::Diffuse) };
         let picture = render(&room, RenderSettings { bounces: 1, grid_offset, ..drawn });
         let light = || picture.hdr.iter().map(|pixel| pixel[0]);
@@ -138,8 +137,8 @@ fn each_side_shows_the_light_on_that_side() {
     }
 }
 
-/// However its normals are bent, a surface shows no light from behind its plane: not near its
-/// border either, where light that grazes it from behind meets nothing else.
+/// With bent normals, a surface shows no light from behind its plane, not even near its border,
+/// where nothing blocks grazing light.
 #[test]
 fn bent_normals_catch_no_light_from_behind() {
     let lit_from = |z: f32| {

@@ -1,4 +1,4 @@
-//! A stage for single surfaces: quads and spheres of any material before a camera.
+//! A stage for tests of single surfaces: quads and spheres of any material in front of a camera.
 
 use glam::{Mat4, UVec2, Vec3};
 use lumivox::{Preset, TraceSettings};
@@ -17,12 +17,12 @@ pub fn scene() -> Scene {
     scene
 }
 
-/// A square that faces the camera of [`scene`], at a place along its axis, and fills the picture.
+/// A square that faces the camera of [`scene`], at `z` along its axis, and fills the picture.
 pub fn pane(z: f32) -> Mesh {
     quad(Vec3::Z * z, Vec3::X, Vec3::Y)
 }
 
-/// Two meshes as one.
+/// Joins two meshes.
 pub fn joined(mut first: Mesh, second: Mesh) -> Mesh {
     let count = first.positions.len() as u32;
     first.positions.extend(second.positions);
@@ -46,7 +46,7 @@ pub fn add(scene: &mut Scene, mesh: Mesh, material: Material) {
     });
 }
 
-/// Shows one radiance, and reflects nothing.
+/// A material that emits `radiance` and reflects nothing.
 pub fn glowing(radiance: Vec3) -> Material {
     Material { emissive: radiance, ..Material::diffuse("glowing", Vec3::ZERO) }
 }
@@ -63,7 +63,7 @@ pub fn with(mut material: Material, change: impl FnOnce(&mut MetallicRoughness))
     material
 }
 
-/// A texture of single texels, not filtered.
+/// A texture without filtering.
 pub fn texture(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]) -> Texture {
     let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     Texture {

@@ -1,4 +1,4 @@
-//! Things behind transparent surfaces show through, in the picture and in shadows, in proportion.
+//! Tests that transparent surfaces transmit light in proportion, in pictures and in shadows.
 
 use glam::{UVec2, Vec2, Vec3, Vec4};
 use lumivox_render::{RenderSettings, ShadowMethod, View};
@@ -9,7 +9,7 @@ use lumivox_scene::{
 
 use crate::surfaces::stage::*;
 
-/// A pane that glows, and is there by a share.
+/// A glowing material with a coverage of `alpha`.
 fn blended(radiance: Vec3, alpha: f32) -> Material {
     let glowing = Material { alpha: AlphaMode::Blend, ..glowing(radiance) };
     with(glowing, |shading| shading.base_color.w = alpha)
@@ -27,7 +27,7 @@ fn glass(color: Vec3, factor: f32) -> Material {
 
 #[test]
 fn panes_blend_correctly_in_any_order() {
-    // Red before green before blue, added from front to back and from back to front.
+    // Red in front of green in front of blue, added to the scene in both orders.
     for order in [[2.0, 1.0, 0.0], [0.0, 1.0, 2.0]] {
         let mut scene = scene();
         for z in order {
@@ -43,15 +43,15 @@ fn panes_blend_correctly_in_any_order() {
         assert_near("one frame", mean(&one), expected, 0.05);
         let many = render(&scene, settings(View::Direct));
         assert_near("16 frames", mean(&many), expected, 0.02);
-        // The error of a pixel's only sample is that of coins, 0.47 here. A first frame has 16
-        // samples, 16 frames have 56, and they are spread evenly.
+        // One random sample a pixel would have an error of 0.47. A first frame has 16 samples, 16
+        // frames have 56, evenly spread.
         let (noise_of_one, noise) = (rms(&one, expected), rms(&many, expected));
         println!("noise: {noise_of_one} in one frame, {noise} in 16");
         assert!(noise_of_one < 0.13 && noise < 0.06, "16 frames leave {noise} of {noise_of_one}");
     }
 }
 
-/// A pane that is seen obliquely is as even in 16 frames as one that is seen straight.
+/// After 16 frames, a pane seen obliquely has no more noise than one seen straight.
 #[test]
 fn oblique_panes_are_no_noisier_than_straight_ones() {
     let noise = |along: Vec3| {
@@ -60,7 +60,7 @@ fn oblique_panes_are_no_noisier_than_straight_ones() {
         add(&mut scene, pane(-1.0), glowing(Vec3::Z));
         let picture = render(&scene, settings(View::Direct));
         let expected = Vec3::new(0.5, 0.0, 0.5);
-        // The middle, which both cover.
+        // The middle of the picture, which both panes cover.
         let size = picture.size;
         let middle = picture.hdr.iter().enumerate().filter(|(i, _)| {
             let (x, y) = (*i as u32 % size.x, *i as u32 / size.x);
@@ -71,7 +71,7 @@ fn oblique_panes_are_no_noisier_than_straight_ones() {
     };
     let (straight, oblique) = (noise(Vec3::X), noise(Vec3::new(0.8, 0.0, 0.6)));
     println!("noise: {straight} straight, {oblique} oblique");
-    // Coins would leave 0.125, a sequence scrambled within its strata 0.027.
+    // Random samples would leave a noise of 0.125, a sequence scrambled within strata 0.027.
     assert!(straight < 0.02 && oblique < 0.02, "{straight} {oblique}");
 }
 
@@ -82,7 +82,7 @@ fn panes_of_one_mesh_are_drawn_independently() {
     add(&mut scene, pane(0.0), glowing(Vec3::Z));
     let many = render(&scene, RenderSettings { frames: 64, ..settings(View::Direct) });
     assert_near("two panes of one half", mean(&many), Vec3::new(0.75, 0.0, 0.25), 0.02);
-    // Both sides of a closed shape, too.
+    // Also for both sides of a closed shape.
     let mut scene = self::scene();
     let sides = joined(pane(1.0), quad(Vec3::Z * 0.9, -Vec3::X, Vec3::Y));
     let material = Material { double_sided: true, ..blended(Vec3::X, 0.5) };
@@ -92,8 +92,8 @@ fn panes_of_one_mesh_are_drawn_independently() {
     assert_near("two sides of one half", mean(&many), Vec3::new(0.75, 0.0, 0.25), 0.02);
 }
 
-/// A white pane that is there by a fifth cannot be seen under a sky of one all around: also where
-/// none of the neighbours' traced samples, which share their indirect light, is of the pane.
+/// A white pane with a coverage of a fifth is invisible under a uniform sky, even in pixels without
+/// a traced sample of the pane nearby to take indirect light from.
 #[test]
 fn a_faint_pane_has_indirect_light_in_every_pixel() {
     let mut scene = scene();
@@ -136,15 +136,15 @@ fn glass_tints_what_is_behind_it() {
     let picture = render(&scene, RenderSettings { frames: 64, ..settings(View::Direct) });
     let expected = 0.96 * 0.96 * 0.8 * color * Vec3::new(0.5, 1.0, 1.0);
     assert_near("two panes", mean(&picture), expected, 0.015);
-    // Metal lets nothing through.
+    // Metal does not transmit light.
     let mut scene = self::scene();
     add(&mut scene, pane(1.0), with(glass(color, 1.0), |shading| shading.metallic = 1.0));
     add(&mut scene, pane(0.0), glowing(Vec3::ONE));
     assert_near("metal", mean(&render(&scene, settings(View::Direct))), Vec3::ZERO, 0.0);
 }
 
-/// Under a sky of one all around, clear glass cannot be seen: the light that it reflects and the
-/// light that it lets through add up to one. In front of a black wall it shows only the reflection.
+/// Under a uniform sky, clear glass is invisible: reflected and transmitted light add up to one. In
+/// front of a black wall it shows only the reflection.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn reflected_and_transmitted_light_of_glass_add_up() {
@@ -157,9 +157,9 @@ fn reflected_and_transmitted_light_of_glass_add_up() {
         let lit = RenderSettings { bounces: 1, ..settings(View::Final) };
         let clear = mean(&render(&scene, lit.clone()));
         assert_near("clear glass under a sky", clear, Vec3::ONE, 0.02);
-        // Half of it diffuse, and tinted, over black: Schlick's term, and half of what enters. Of
-        // light from all around more enters: each direction meets the glass under half its angle to
-        // the camera.
+        // Tinted glass, half of it diffuse, over black: Schlick's term, plus half of the light that
+        // enters. The share that enters is a mean over directions of light, each at half its angle
+        // to the camera.
         scene.materials[0] = glass(Vec3::new(0.5, 1.0, 0.2), 0.5);
         add(&mut scene, quad(-Vec3::Z, Vec3::X * 1.2, Vec3::Y * 1.2), glowing(Vec3::ZERO));
         let fresnel = 0.04 + 0.96 * (1.0 - cosine).powi(5);
@@ -170,7 +170,7 @@ fn reflected_and_transmitted_light_of_glass_add_up() {
     }
 }
 
-/// The mean of (1 - cosine)^5 at the half vectors to a camera, over light from all around.
+/// The mean of (1 - cosine)^5 at the half vectors to a camera, over uniform light.
 fn half_angle_fresnel(angle: f32) -> f32 {
     const STEPS: u32 = 200;
     let view = Vec3::new(angle.sin(), 0.0, angle.cos());
@@ -184,7 +184,7 @@ fn half_angle_fresnel(angle: f32) -> f32 {
     terms.sum::<f32>() / (STEPS * STEPS) as f32
 }
 
-/// A floor under the sun, seen past a roof of some material that shadows all of what is seen.
+/// A floor in the sun. A roof of the given material shadows all of the visible part.
 fn under_a_roof(roof: Material) -> Scene {
     let mut scene = scene();
     let white = Material::diffuse("floor", Vec3::ONE);
@@ -208,7 +208,7 @@ fn shadow_depth_follows_the_casters_opacity() {
     let black = Vec3::ZERO;
     let mut leaf = Material { alpha: AlphaMode::Mask { cutoff: 0.5 }, ..glowing(black) };
     leaf = with(leaf, |shading| shading.base_color_texture = Some(TextureRef::new(0)));
-    // Luminance of the glass: 0.5.
+    // The grey glass has a luminance of 0.5.
     let roofs = [
         ("a blend of a half", blended(black, 0.5), 0.5),
         ("grey glass", glass(Vec3::splat(0.5), 0.8), 1.0 - 0.96 * 0.4),
@@ -218,7 +218,7 @@ fn shadow_depth_follows_the_casters_opacity() {
     for (what, roof, passing) in roofs {
         let passing = if what == "grey glass" { 1.0 - passing } else { passing };
         let mut scene = under_a_roof(roof);
-        // Fields of some 20 texels of the shadow map: holes, and no mips.
+        // Squares of about 20 texels of the shadow map: holes, without mips.
         let mut checker = texture(2, 2, |x, y| [0, 0, 0, if x == y { 255 } else { 0 }]);
         checker.sampler.minify = lumivox_scene::Filter::Nearest;
         scene.textures.push(checker);
@@ -229,8 +229,8 @@ fn shadow_depth_follows_the_casters_opacity() {
             let settings = RenderSettings { shadows, frames: 4, ..settings(View::Shadow) };
             let picture = render(&scene, settings);
             let what = format!("{what}, {shadows:?}");
-            // In voxels the glass reflects as under a sky, 9 % instead of 4, and each samples the
-            // leaf once.
+            // In voxels, glass reflects the mean over the hemisphere, 9 % instead of 4, and each
+            // voxel samples the leaf once.
             let is_even = what.starts_with("a blend") || what == "a whole roof";
             let tolerance = match shadows {
                 ShadowMethod::Cone if is_even => 0.005,
@@ -238,7 +238,7 @@ fn shadow_depth_follows_the_casters_opacity() {
                 ShadowMethod::Map => 0.015,
             };
             assert_near(&what, mean(&picture), Vec3::splat(passing), tolerance);
-            // The pattern of the map's texels is filtered away, the leaf's own holes are not.
+            // Filtering removes the pattern of the map's texels, but not the leaf's holes.
             let noise = rms(&picture, mean(&picture));
             println!("noise {noise}");
             assert!(
@@ -247,7 +247,7 @@ fn shadow_depth_follows_the_casters_opacity() {
             );
         }
     }
-    // Two roofs of a half leave a quarter.
+    // Two roofs with a coverage of a half let a quarter through.
     let mut scene = under_a_roof(blended(black, 0.5));
     let second = quad(Vec3::Y * 1.4, Vec3::X * 2.0, Vec3::NEG_Z * 2.0);
     let first = scene.meshes.pop().expect("the roof");
@@ -256,8 +256,8 @@ fn shadow_depth_follows_the_casters_opacity() {
     assert_near("two roofs", mean(&picture), Vec3::splat(0.25), 0.03);
 }
 
-/// Leaves of a quarter, a half and three quarters between the sky and a floor between black walls:
-/// as much of the sky's light arrives, gathered by cones through voxels.
+/// Leaves that cover a quarter, a half and three quarters, between the sky and a floor with black
+/// walls. The rest of the sky's light reaches the floor, gathered by cones through voxels.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn leaves_let_the_skys_light_through_in_proportion() {
@@ -275,7 +275,8 @@ fn leaves_let_the_skys_light_through_in_proportion() {
         {
             add(&mut scene, quad(center + Vec3::Y * 0.5, u, Vec3::Y * 0.5), black.clone());
         }
-        // Four by four texels repeat 16 times along an edge of 64 voxels: as large as a voxel.
+        // The texture repeats 32 times along an edge of 64 voxels, so a texel is as large as a
+        // voxel.
         scene.textures.push(texture(2, 2, |x, y| {
             let is_there = quarters
                 .is_some_and(|quarters| [[0, 2], [3, 1]][y as usize][x as usize] < quarters);
@@ -283,7 +284,7 @@ fn leaves_let_the_skys_light_through_in_proportion() {
         }));
         if quarters.is_some() {
             let mut leaves = quad(Vec3::Y * 0.7, Vec3::X, Vec3::NEG_Z);
-            // No sample lies on a leaf's edge, where the rounding of a GPU's filter would decide.
+            // Avoid samples at a texel's edge, where the GPU's rounding would decide.
             for uv in &mut leaves.uvs {
                 *uv = *uv * 32.0 + Vec2::new(0.037, 0.059);
             }

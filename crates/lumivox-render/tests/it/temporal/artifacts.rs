@@ -1,5 +1,5 @@
-//! Artifacts that light of earlier frames must not have: lag of direct light, boiling, patterns of
-//! the sampling, blurred contact shadows.
+//! Tests that light of earlier frames causes no artifacts: lag of direct light, boiling, patterns
+//! of sampling, blurred contact shadows.
 
 use lumivox::Preset;
 use lumivox_render::{Picture, RenderSettings, Renderer, View};
@@ -19,8 +19,8 @@ fn lamp_at(scene: &Scene, x: f32) -> Scene {
     moved
 }
 
-/// Shadows of a lamp that moves are where they belong: its picture is better than a frame of one
-/// sample a pixel without a past, which leaves 0.31.
+/// Shadows of a moving lamp do not lag: the error is smaller than that of one frame with one sample
+/// a pixel and without history, 0.31.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn direct_light_does_not_lag() {
@@ -35,7 +35,7 @@ fn direct_light_does_not_lag() {
     let picture = (0..=8).map(|step| follow(&mut moving, step)).last().expect("at least one");
     let mut stood = renderer(&gpu(), &at(8), own(Preset::Balanced));
     let truth = (0..16).map(|_| frame(&mut stood)).last().expect("at least one");
-    // On the ceiling by the lamp light has no bounds.
+    // Clamped, because light on the ceiling near the lamp is unbounded.
     let [picture, truth] = [picture, truth].map(|mut picture| {
         picture.hdr.iter_mut().flatten().for_each(|value| *value = value.min(4.0));
         picture
@@ -44,7 +44,7 @@ fn direct_light_does_not_lag() {
     assert!(error < 0.2, "{error}");
 }
 
-/// A still picture settles: from frame to frame it changes by little, and by less and less.
+/// A still picture settles: changes from frame to frame are small and decrease.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn still_pictures_settle_from_frame_to_frame() {
@@ -62,8 +62,7 @@ fn still_pictures_settle_from_frame_to_frame() {
     assert!(changes[15] < 0.02 && changes[47] < 0.005, "{changes:?}");
 }
 
-/// Light that changes from frame to frame makes no rings about edges: where the truth is smooth,
-/// pixels do not alternate.
+/// Changing light leaves no rings around edges: where the truth is smooth, pixels do not alternate.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn moving_light_leaves_no_rings_around_edges() {
@@ -89,12 +88,12 @@ fn moving_light_leaves_no_rings_around_edges() {
         places.iter().map(|place| bend(*place, 1) + bend(*place, width)).sum()
     };
     let ratio = (bends(&ours) / bends(&light)).sqrt();
-    // Measured: 1.83, of what is near and drawn; 2.13 if the mean of frames is scaled by even means
-    // of 3x3 pixels.
+    // Measured: 1.83, from noise; 2.13 if the mean of frames is scaled by box-filtered means of 3x3
+    // pixels.
     assert!(ratio < 2.0, "{ratio}");
 }
 
-/// The pixels beside which a picture differs by no more than a fifth.
+/// The pixels whose neighbours differ by at most a fifth.
 fn smooth_places(picture: &Picture) -> Vec<usize> {
     let light: Vec<f64> = luminances(picture).collect();
     let [width, height] = picture.size.to_array().map(|pixels| pixels as usize);
@@ -107,7 +106,7 @@ fn smooth_places(picture: &Picture) -> Vec<usize> {
     places.filter(|(x, y)| is_smooth(*x, *y)).map(|(x, y)| y * width + x).collect()
 }
 
-/// The root mean square of the difference over the mean, where the truth is smooth.
+/// The root mean square of the difference, divided by the mean, where the truth is smooth.
 fn rmse_where_smooth(picture: &Picture, truth: &Picture) -> f64 {
     let [ours, light] = [picture, truth].map(|picture| luminances(picture).collect::<Vec<_>>());
     let places = smooth_places(truth);
@@ -124,11 +123,11 @@ fn the_first_realtime_frame_has_a_small_error() {
     let camera = orbit(&scene, 0);
     let truth = still(Preset::Balanced, &scene, &camera, 32);
     let error = rmse_where_smooth(&still(Preset::Realtime, &scene, &camera, 1), &truth);
-    // Measured: 10.6 %; with cones that marched 10.8.
+    // Measured: 10.6 %; with marching cones 10.8 %.
     assert!(error < 0.117, "{error}");
 }
 
-/// The light of a pixel does not depend on its place in its block of 4x4.
+/// The light of a pixel does not depend on its position in its block of 4x4.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn traced_pixel_blocks_are_not_visible() {
@@ -151,8 +150,8 @@ fn traced_pixel_blocks_are_not_visible() {
     }
 }
 
-/// The darkest places, where things touch and walls meet, do not take the light around: a first
-/// frame's filter lets them have some, and it goes.
+/// The darkest pixels, at contacts and corners, stay dark: the filter of the first frame adds some
+/// light from around, which later frames remove.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn contact_shadows_are_not_blurred() {

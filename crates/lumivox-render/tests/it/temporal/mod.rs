@@ -1,5 +1,5 @@
-//! The light of earlier frames: what a moving camera gains by it, and that it neither lags nor
-//! stays.
+//! Tests that the light of earlier frames reduces the error while the camera moves, and neither
+//! lags nor stays.
 
 #![allow(clippy::float_cmp)] // Counts of frames.
 
@@ -20,8 +20,8 @@ fn settings(preset: Preset) -> RenderSettings {
     RenderSettings {
         size: UVec2::new(120, 68),
         resolution: 64,
-        // No more than one of them is rendered at once, but each samples another place within the
-        // pixels.
+        // Pictures are taken after single frames, but with more than one, samples are jittered
+        // within pixels.
         frames: 2,
         shadow_resolution: 128,
         view: View::Diffuse,
@@ -30,7 +30,7 @@ fn settings(preset: Preset) -> RenderSettings {
     }
 }
 
-/// A camera that goes around the scene, 1/6 degree a step.
+/// A camera that orbits the scene, 1/6 degree a step.
 fn orbit(scene: &Scene, step: u32) -> Camera {
     let mut camera = scene.cameras[0].clone();
     let centre = camera.position + 3.0 * camera.forward;
@@ -54,7 +54,7 @@ fn still(preset: Preset, scene: &Scene, camera: &Camera, frames: u32) -> Picture
     picture
 }
 
-/// Pictures of one sequence of frames, after each of the counts, lowest count first.
+/// Pictures of one sequence of frames, after each count of frames, in ascending order.
 fn stills<const COUNT: usize>(
     preset: Preset,
     scene: &Scene,
@@ -71,8 +71,8 @@ fn stills<const COUNT: usize>(
     })
 }
 
-/// The Cornell box from its own camera, after many frames of a preset without a history: what
-/// several tests compare with, made once.
+/// The Cornell box from its own camera, after many frames of a preset without history; rendered
+/// once for several tests.
 fn many_frames(preset: Preset, frames: u32) -> Arc<Picture> {
     type Known = BTreeMap<(String, u32), Arc<OnceLock<Arc<Picture>>>>;
     static KNOWN: Mutex<Known> = Mutex::new(BTreeMap::new());
@@ -86,13 +86,13 @@ fn many_frames(preset: Preset, frames: u32) -> Arc<Picture> {
     Arc::clone(place.get_or_init(make))
 }
 
-/// The surfaces' pixels of both, channel by channel.
+/// Pairs of the channels of both pictures, in pixels that show a surface.
 fn pairs<'a>(a: &'a Picture, b: &'a Picture) -> impl Iterator<Item = (f64, f64)> + 'a {
     let surfaces = a.hdr.iter().zip(&b.hdr).filter(|(a, b)| a[3] > 0.99 && b[3] > 0.99);
     surfaces.flat_map(|(a, b)| (0..3).map(|channel| (f64::from(a[channel]), f64::from(b[channel]))))
 }
 
-/// The root mean square of the difference over the mean of the second.
+/// The root mean square of the difference, divided by the mean of the second picture.
 fn rmse(a: &Picture, b: &Picture) -> f64 {
     let (squares, sum, count) = pairs(a, b)
         .fold((0.0, 0.0, 0.0), |(squares, sum, count), (a, b)| {
@@ -122,7 +122,7 @@ fn a_moving_camera_keeps_its_light_history() {
             .collect()
     };
     let pictures = run(&mut moving);
-    // Already the first frame, of which nothing is known, then what is recalled.
+    // The first frame has a small error even without history; history reduces it.
     let first = rmse(&still(Preset::Realtime, &scene, &orbit(&scene, 0), 1), &truth);
     assert!(first < 0.12, "{first} in the first frame");
     let error = rmse(&pictures[12], &truth);
@@ -130,7 +130,7 @@ fn a_moving_camera_keeps_its_light_history() {
     let bias = mean(&pictures[12]) / mean(&truth) - 1.0;
     assert!(bias.abs() < 0.03, "{bias}");
 
-    // To the bit.
+    // Another run is bit-identical.
     let mut again = renderer(&gpu(), &scene, settings(Preset::Realtime));
     assert!(run(&mut again) == pictures, "two runs differ");
 }
@@ -140,7 +140,7 @@ fn a_moving_camera_keeps_its_light_history() {
 fn a_switched_lamp_changes_the_picture_at_once() {
     let lit = builtin("cornell");
     let mut dark = lit.clone();
-    // A hundredth, since nothing is measured where nothing is.
+    // A hundredth, since without any light there would be nothing to measure.
     for light in &mut dark.lights {
         light.color *= 0.01;
     }
@@ -149,20 +149,20 @@ fn a_switched_lamp_changes_the_picture_at_once() {
     let rest = mean(&still(Preset::Fast, &dark, &camera, 32));
     let mut renderer = renderer(&gpu(), &lit, settings(Preset::Realtime));
     (0..8).for_each(|_| drop(frame(&mut renderer)));
-    // The shares of the whole change that are missing after each frame.
+    // The share of the change that is still missing after each frame.
     let mut missing = |scene: &Scene, to: f64| {
         pollster::block_on(renderer.set_lights(scene, &mut |_| {})).expect("the same scene");
         [(); 12].map(|()| (mean(&frame(&mut renderer)) - to).abs() / (all - rest))
     };
-    // In the voxels light travels a bounce a frame.
+    // In the voxels, light travels one bounce a frame.
     for (scene, to) in [(&dark, rest), (&lit, all)] {
         let missing = missing(scene, to);
         assert!(missing[0] < 0.4 && missing[3] < 0.15 && missing[11] < 0.04, "{missing:?}");
     }
 }
 
-/// A lamp that dims by less than edges differ is followed nevertheless: after six frames the
-/// picture is nearer to the new light than the first frame of a new renderer.
+/// A lamp dims by less than the differences at edges. Still, after six frames the picture is nearer
+/// to the new light than the first frame of a new renderer.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_slightly_dimmed_lamp_updates_within_six_frames() {
@@ -195,8 +195,8 @@ fn still_pictures_converge_to_those_without_history() {
     assert!(errors[1] < 0.03 && errors[1] < 0.9 * errors[0], "{errors:?}");
 }
 
-/// A block that leaves the plane of its front takes its history along: only edges, which come and
-/// go with the samples within the pixels, have new light.
+/// A block that moves out of its front plane keeps its history: only edges, where jittered samples
+/// meet other surfaces, have new light.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn moving_objects_keep_their_light_history() {
@@ -227,8 +227,8 @@ fn moving_objects_keep_their_light_history() {
     );
 }
 
-/// Edges of a moving picture are smoother than those of one sample a pixel, which leave 0.22, and
-/// where nothing shines any more nothing is left.
+/// Edges in motion are smoother than with one sample a pixel, which has an error of 0.22, and
+/// nothing of earlier views remains.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn edges_are_smooth_in_motion() {
@@ -255,7 +255,7 @@ fn edges_are_smooth_in_motion() {
     println!("edges: {error} in motion");
     assert!(error < 0.13, "{error} in motion");
 
-    // A look at another part is a cut: nothing of the former view is seen.
+    // Another view restarts the mean: nothing of the former view is visible.
     moving.set_view(View::Normal, 0).expect("a view of surfaces");
     let seen = frame(&mut moving);
     let mut fresh = realtime(last);
@@ -266,8 +266,8 @@ fn edges_are_smooth_in_motion() {
     assert!(differ * 10 < seen.hdr.len(), "{differ} pixels of another view");
 }
 
-/// The history counts frames of what stays in sight, and starts where something comes into view: a
-/// view of each says which.
+/// The history counts the frames of surfaces that stay visible, and starts again where a surface is
+/// disoccluded; one view shows each.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn history_grows_until_a_pixel_is_disoccluded() {
@@ -275,7 +275,7 @@ fn history_grows_until_a_pixel_is_disoccluded() {
     let beside = vec![View::History, View::Disocclusion];
     let settings = RenderSettings { view: View::Final, beside, ..settings(Preset::Realtime) };
     let mut renderer = renderer(&gpu(), &scene, settings);
-    // The frames and whether nothing was known, of each pixel that shows a surface.
+    // For each pixel that shows a surface: the number of frames, and whether it had no known light.
     let mut frame = |camera: Camera| -> Vec<(f32, bool)> {
         renderer.set_camera(camera);
         let [history, new] = pollster::block_on(async {
@@ -297,7 +297,7 @@ fn history_grows_until_a_pixel_is_disoccluded() {
     };
     let stills: Vec<_> = (0..6).map(|_| frame(orbit(&scene, 0))).collect();
     assert!(stills[0].iter().all(|pixel| *pixel == (2.0, true)), "the first counts for two");
-    // Samples move within the pixels, so that edges come and go.
+    // Because of the jitter, pixels at edges may show another surface.
     assert!(share(&stills[5]) < 0.01, "{} of a still picture are new", share(&stills[5]));
     assert_eq!(median(&stills[5]), 7.0);
 
@@ -307,7 +307,7 @@ fn history_grows_until_a_pixel_is_disoccluded() {
     assert!(moved.iter().all(|(frames, is_new)| !is_new || *frames == 2.0));
 }
 
-/// A picture of another size continues the history of the last one, in both directions.
+/// Pictures of a larger or smaller size continue the history.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn history_survives_a_resize() {
@@ -331,13 +331,13 @@ fn history_survives_a_resize() {
         resize(&mut renderer, to, Preset::Realtime);
         let resized = frame(&mut renderer);
         is_kept(&mut renderer);
-        // Twice, and nothing in between.
+        // Two changes of size without a frame in between.
         resize(&mut renderer, from, Preset::Realtime);
         resize(&mut renderer, to, Preset::Realtime);
         let again = frame(&mut renderer);
         is_kept(&mut renderer);
 
-        // Other settings discard the history, and so show the error of a first frame.
+        // Another preset discards the history; the next frame has the error of a first frame.
         resize(&mut renderer, to, Preset::Fast);
         resize(&mut renderer, to, Preset::Realtime);
         let first = frame(&mut renderer);
@@ -349,12 +349,12 @@ fn history_survives_a_resize() {
             Arc::new(frames.last().expect("at least one"))
         };
         let errors = [&resized, &again, &first].map(|picture| rmse(picture, &truth));
-        // Edges have one sample a pixel in all three, and not the same one.
+        // All three pictures have one sample a pixel at edges, each a different one.
         assert!(errors[..2].iter().all(|error| *error < errors[2]), "{errors:?} at {to}");
     }
 }
 
-/// The figures are those of the views, at one pixel of each 8x8.
+/// The figures equal the views' values at one pixel of each 8x8.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn trace_figures_match_the_history_and_cost_views() {
@@ -383,7 +383,7 @@ fn trace_figures_match_the_history_and_cost_views() {
     let known: Vec<f32> = history.into_iter().filter(|frames| *frames > 0.0).collect();
     let mean = known.iter().sum::<f32>() / known.len() as f32;
     assert!(known.len() > 30 && (shown.history_frames.unwrap() - mean).abs() < 1e-3, "{shown:?}");
-    // The view has the mean over frames of what was counted.
+    // The view shows the mean over frames of the counted samples.
     let samples = cost.iter().sum::<f32>() / cost.len() as f32;
     let error = shown.samples_per_pixel / samples - 1.0;
     assert!(samples > 1.0 && error.abs() < 0.2, "{shown:?}, {samples} in the mean");
@@ -400,8 +400,8 @@ fn trace_figures_match_the_history_and_cost_views() {
     assert!((3.0..5.0).contains(&(full / samples)), "{full} at full resolution, {samples} at half");
 }
 
-/// Reflections of rooms are looked up where their images were: while a camera moves they are better
-/// than in a frame of one sample a pixel without a past, which leaves 0.34, and no darker.
+/// The history of reflections is looked up at the former places of their images: in motion their
+/// error is smaller than that of one frame with one sample a pixel, 0.34, and they are not darker.
 #[test]
 #[ignore = "slow: 81 frames of 240x136 pixels"]
 fn reflections_keep_their_history_in_motion() {
@@ -429,8 +429,8 @@ fn reflections_keep_their_history_in_motion() {
     assert!(bias.abs() < 0.08, "{bias}");
 }
 
-/// After a cut the pictures are those of a new renderer, to the bit, whatever was shown before:
-/// other surfaces, other lamps, another camera, many frames; without a cut they are not.
+/// After a cut, pictures are bit-identical to those of a new renderer, whatever was shown before:
+/// other surfaces, lamps, cameras, many frames. Without a cut they are not.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_cut_discards_all_history() {
@@ -464,7 +464,7 @@ fn a_cut_discards_all_history() {
         pollster::block_on(async {
             match number {
                 0 => travelling.move_instances(scene, &[block], &mut |_| {}).await?,
-                // Only the camera.
+                // Only the camera moves.
                 3 => {}
                 4 => travelling.set_lights(scene, &mut |_| {}).await?,
                 _ => travelling.set_scene(scene, &mut |_| {}).await?,
@@ -477,7 +477,7 @@ fn a_cut_discards_all_history() {
         let mut fresh = renderer(&gpu, scene, settings.clone());
         fresh.set_camera(camera.clone());
         assert!(seen == pictures(&mut fresh), "pose {number}: something is left");
-        // Without a cut the light of these pictures stays.
+        // Without a cut, the light of these pictures remains.
         travelling.set_camera(orbit(&rest, 0));
         travelling.set_camera(camera);
         goes_on |= frame(&mut travelling) != seen[0];
@@ -485,7 +485,7 @@ fn a_cut_discards_all_history() {
     assert!(goes_on, "a cut changes something");
 }
 
-/// Frames that go on from each other make edges smooth, each a picture of its own.
+/// Each frame of a film is a picture, and continues from the one before, so edges become smooth.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn film_frames_have_antialiased_edges() {
