@@ -50,7 +50,7 @@ pub struct GpuOptions {
     pub pipeline_cache: Option<std::path::PathBuf>,
 }
 
-/// Identifies an open device. Handles of wgpu do not: those of different instances can compare
+/// Identifies an open device. wgpu's handles do not: handles of different instances can compare
 /// equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GpuId(u64);

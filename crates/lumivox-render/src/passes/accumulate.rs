@@ -6,8 +6,8 @@
 //!
 //! With temporal blending, frames already contain the light of all frames before them and improve
 //! over time, so later frames get larger weights: m moves by 2 (x - m) / (n + 2). When something
-//! moves, the mean does not start from nothing: it is reprojected along the surfaces
-//! (`follow.wgsl`), and counts as a few frames.
+//! moves, the mean is not discarded but reprojected along the surfaces (`follow.wgsl`), and counts
+//! as a few frames.
 
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;

@@ -367,8 +367,9 @@ pub fn clip_from_world(camera: &Camera, size: UVec2) -> Mat4 {
 }
 
 /// The offset of sample `sample` from the pixel's centre, in pixels. Samples form opposite pairs,
-/// whose mean is the centre; the first of each pair is from an even sequence (Roberts 2018, "The
-/// unreasonable effectiveness of quasirandom sequences"). The mean is a box filter of one pixel.
+/// whose mean is the centre; the first of each pair is from an evenly spread sequence (Roberts
+/// 2018, "The unreasonable effectiveness of quasirandom sequences"). The mean is a box filter of
+/// one pixel.
 pub fn jitter(sample: u32) -> Vec2 {
     // The powers of 1 / x with x^3 = x + 1, to 32 bits. The start has the best edges of the first
     // 60 starts, in frames of 16, 8, 4, 4, 2, 2 and so on samples.

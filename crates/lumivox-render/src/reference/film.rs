@@ -5,7 +5,7 @@
 //! [`STEP`], so that the order of additions does not matter: batches traced on several machines add
 //! up to the same bits as on one. The noise is estimated from the differences of the batches'
 //! means: with means m of n samples each, M of all N, and B batches, the variance of a sample is
-//! about sum(n (m - M)^2) / (B - 1), and that of the mean is that divided by N.
+//! about sum(n (m - M)^2) / (B - 1), and the variance of the mean is that divided by N.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, UVec2};

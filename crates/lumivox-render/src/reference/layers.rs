@@ -9,9 +9,8 @@ use super::film::{Film, Sums};
 /// The layers of a path-traced picture, each row by row from the top; zero in pixels without a
 /// surface.
 ///
-/// A variance is that of the mean over samples, averaged over the channels: the square of the
-/// pixel's standard error. It is infinite with fewer than 17 samples, that is, fewer than two
-/// batches.
+/// Variances are of the mean over samples, averaged over the channels: the square of the pixel's
+/// standard error. They are infinite with fewer than 17 samples, that is, fewer than two batches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferenceLayers {
     /// Width and height in pixels.

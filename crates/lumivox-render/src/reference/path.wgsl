@@ -55,7 +55,7 @@ const MOST_VERTICES: u32 = 4096u;
 const SURE_VERTICES: u32 = 3u;
 // Kinds of light queries; the last two are for peaks.
 const KINDS: u32 = 4u + 2u * REFERENCE_HAS_PEAKS;
-// Paths of a sample.
+// The number of paths of a sample.
 const PATHS: u32 = 2u - REFERENCE_HAS_SENSORS;
 
 // Two sums: all light of a path, and the share that arrives early.

@@ -1,4 +1,4 @@
-// The surface where a ray hits a triangle. Materials have the rasterizer's code.
+// The surface where a ray hits a triangle. Materials are evaluated with the rasterizer's code.
 
 import package::constants::{
     REFERENCE_HAS_LAYERS, REFERENCE_HAS_TEXTURES, TEXTURE_BASE_COLOR, TEXTURE_COAT,

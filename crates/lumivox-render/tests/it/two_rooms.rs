@@ -90,7 +90,7 @@ fn the_doorway_lets_light_into_the_dark_room() {
     let direct = rooms.share_in_the_lamps_light("dark room");
     let indirect = rooms.indirect_share();
     println!("doorway: {:.1} % direct, {:.1} % indirect", 100.0 * direct, 100.0 * indirect);
-    // Pixels that show the lit room through the doorway, and those of the dark room that the lamp
+    // Pixels that show the lit room through the doorway, and pixels of the dark room that the lamp
     // reaches.
     assert!(
         (0.3..0.6).contains(&direct),

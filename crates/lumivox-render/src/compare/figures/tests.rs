@@ -108,7 +108,7 @@ fn incomparable_pictures_are_refused_with_the_reason() {
     says(message(&good, Some(&[0.0, -1.0]), &good), &["the variance is -1.0 at pixel 1,0"]);
     says(message(&grey([0.0, 0.0]), None, &good), &["black", "give a reference that shows light"]);
     says(message(&grey([-3.0, 1.0]), None, &good), &["its mean is -1"]);
-    // Only the reference may not be black.
+    // The compared picture, unlike the reference, may be black.
     let figures = ErrorFigures::new(&good, None, &grey([0.0, 0.0])).expect("figures");
     assert_close(figures.bias_percent, -100.0);
 }

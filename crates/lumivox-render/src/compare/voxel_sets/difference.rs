@@ -9,7 +9,7 @@ pub struct SetDifference {
     pub voxels: u32,
     /// Voxels of the exact set that are not found.
     pub missing: u32,
-    /// Missing voxels that surfaces only touch: they contain none in the exact set, either.
+    /// Missing voxels that are only touched, without surface in the exact set.
     pub missing_touched: u32,
     /// Voxels found that are not in the exact set.
     pub extra: u32,

@@ -188,7 +188,8 @@ impl Parameter {
         (self.set)(settings, value);
     }
 
-    /// Parses a value: a number, a choice's name, `on` or `off`, or the word for an absent number.
+    /// Parses a value: a number, a choice's name, `on` or `off`, or a word for no number, such as
+    /// `auto`.
     ///
     /// # Errors
     /// [`SettingError`], which lists the allowed values.
