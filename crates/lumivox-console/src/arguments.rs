@@ -12,7 +12,7 @@ use crate::values::number::{Number, in_words as range_in_words, read};
 /// The largest coordinate, m. There `f32` resolves 64 m.
 pub const FARTHEST_M: f32 = 1e9;
 
-/// The range of world coordinates, m, and of other values as large.
+/// The range of world coordinates, m, and of similar values.
 pub const PLACE: RangeInclusive<f32> = -FARTHEST_M..=FARTHEST_M;
 
 /// The error that a value is not what was expected.
@@ -133,14 +133,14 @@ pub fn rounded(v: Vec3) -> String {
 
 /// Three numbers for people, to a thousandth.
 pub fn short(v: Vec3) -> String {
-    // Rounded first, so that a number next to zero has no sign.
+    // Rounded first, so that nearly zero has no sign.
     v.to_array().map(|x| format!("{:.3}", (x * 1e3).round() / 1e3 + 0.0)).join(" ")
 }
 
 /// One word that is a number in a range.
 ///
 /// # Errors
-/// When there are more or fewer words, or it is not a number.
+/// When there is not exactly one word, or it is not a number in the range.
 pub fn number_of(words: &[&str], what: &str, range: RangeInclusive<f32>) -> Result<f32, Failure> {
     match words {
         [word] => number(word, what, range),

@@ -1,4 +1,4 @@
-//! Properties of a line that are known before it is run, from columns of the command table.
+//! Properties of a line that are known before it runs, from columns of the command table.
 
 use lumivox_explorer::parameters::find_parameter;
 
@@ -20,8 +20,7 @@ const OF_WINDOW: [Command; 6] = [
 /// Properties of a line that are known before it is run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LineInfo {
-    /// The target of a line that only sets something: a later line of the same target supersedes
-    /// it.
+    /// The target if the line only sets something: a later line with the same target supersedes it.
     pub target: Option<String>,
     /// Why it runs before waiting lines; `None` if it does not.
     pub urgency: Option<Urgency>,
@@ -29,9 +28,9 @@ pub struct LineInfo {
     pub moves_camera: bool,
     /// The part of the scene that it may change.
     pub edits: Edits,
-    /// Whether it needs all frames of the picture.
+    /// Whether the line needs all frames of the picture.
     pub needs_all_frames: bool,
-    /// The command's name if only the window has it.
+    /// The command's name if it exists only in the window.
     pub window_command: Option<&'static str>,
 }
 
@@ -82,7 +81,7 @@ mod tests {
         assert_eq!(target("bounces 1"), target("bounces  2"));
         assert_eq!(target("place 'a b' 1 0 0 0 0 0 1"), target("place \"a b\" 2 0 0 0 0 0 1"));
         assert_ne!(target("light lamp position 1 2 3"), target("light lamp color 1 1 1"));
-        // These print, add up, or do several things.
+        // These print, accumulate, or contain several commands.
         for text in ["bounces", "place a", "translate a 1 0 0", "size 8x8; size 9x9", ""] {
             assert_eq!(target(text), None, "{text}");
         }

@@ -90,7 +90,7 @@ pub enum Takes {
     Word(&'static [&'static str]),
 }
 
-/// Why a command runs before waiting ones.
+/// Why a command runs before waiting commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Urgency {
     /// It cancels running work.
@@ -104,8 +104,7 @@ pub enum Urgency {
 pub enum Edits {
     /// Nothing.
     Nothing,
-    /// Objects, or the scene as a whole. Changes of objects survive when the scene's file is read
-    /// again.
+    /// Objects, or the whole scene. Changes of objects survive when the scene's file is read again.
     #[default]
     Scene,
     /// Materials, lights or surroundings. These changes are lost when the scene's file is read
@@ -132,12 +131,12 @@ pub struct Command {
     pub summary: &'static str,
     /// Details: units, ranges, defaults, output. May be empty.
     pub details: &'static str,
-    /// Details that come from a table; may be empty.
+    /// Details generated from a table; may be empty.
     pub more: fn() -> String,
-    /// A line that uses it.
+    /// An example line.
     pub example: &'static str,
-    /// For a command that only sets something: how many of its words, its name included, name the
-    /// target. A later line that begins with the same words supersedes it.
+    /// For a command that only sets something: how many of its first words name the target, its
+    /// name included. A later line with the same first words supersedes it.
     pub sets: Option<usize>,
     /// `true` if it may set the camera.
     pub moves_camera: bool,
@@ -166,7 +165,7 @@ pub type Waiting<'a> = Pin<Box<dyn Future<Output = anyhow::Result<Reply>> + 'a>>
 /// Any number of arguments.
 pub const MANY: usize = usize::MAX;
 
-/// The defaults of commands.
+/// Defaults of a command's fields.
 pub const PLAIN: Command = Command {
     name: "",
     aliases: &[],

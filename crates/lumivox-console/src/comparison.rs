@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::report::Table;
 
-/// The errors of one comparison: of the shares of a scene's light, or of two files (only `final`).
+/// The errors of a comparison: of each share of a scene's light, or of two files (only `final`).
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Comparison {
     /// The scene's name.
@@ -29,7 +29,7 @@ pub struct Comparison {
     #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
     pub final_picture: Option<ErrorFigures>,
     /// Light that leaked into a dark room through its walls after one gather, in percent of the
-    /// light in the room next door.
+    /// light in the next room.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub leak_percent: Option<f64>,
     /// `leak_percent` after all bounces.

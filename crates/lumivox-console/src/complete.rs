@@ -1,7 +1,7 @@
 //! Completion of the word at the cursor.
 //!
 //! It needs only [`Names`], so that a window can complete while its console is busy in another
-//! thread. Files come from the caller.
+//! thread. The caller lists files.
 
 use std::path::Path;
 
@@ -102,7 +102,7 @@ fn commands_and_parameters() -> Vec<String> {
     all
 }
 
-/// The values of a setting that has words as values.
+/// The values of a setting whose values are words.
 fn values(parameter: &Parameter) -> Vec<String> {
     parameter.kind.words().into_iter().map(str::to_owned).collect()
 }

@@ -6,15 +6,15 @@
 //! the docs are made from it. Each setting of [`lumivox_explorer::parameters`] is a command as
 //! well: without a value it prints the setting, with a value it sets it.
 //!
-//! The window, the terminal, scripts and web pages pass lines to a [`Console`]. Work that it leaves
-//! to these front ends is returned as an [`Effect`]; lines that wait for it are in a [`Queue`].
-//! Files are read and written through an [`Outside`], because a browser has no disk; code that
-//! waits is `async`, because a browser must not block.
+//! The window, the terminal, scripts and web pages pass lines to a [`Console`]. Work for these
+//! front ends is returned as an [`Effect`]; lines that wait for it are in a [`Queue`]. Files are
+//! read and written through [`Outside`], because a browser has no disk; functions that wait are
+//! `async`, because a browser must not block.
 //!
 //! | file | is |
 //! | --- | --- |
 //! | `line.rs` | lines split into commands and words |
-//! | `command.rs` | what a command is, and the table |
+//! | `command.rs` | the type of a command, and the table |
 //! | `commands/` | the commands, one file for each group |
 //! | `arguments.rs` | reading arguments by kind |
 //! | `queue.rs` | scripts and queued lines |
@@ -71,7 +71,7 @@ pub use opening::{BUILTIN, LoadArgs, OpenedScene, SceneRequest, SceneSource, Sou
 pub use outside::{Outside, Reading};
 pub use queue::{Line, Queue, script};
 
-/// Work that a command leaves to its front end.
+/// Work of a command that its front end does.
 #[derive(Debug, Default)]
 pub enum Effect {
     /// Nothing.
@@ -108,8 +108,8 @@ impl Reply {
     }
 }
 
-/// Listens to the progress of long commands. A command that can be cancelled ends when the listener
-/// breaks.
+/// Listens to the progress of long commands. [`ControlFlow::Break`] cancels a command that supports
+/// it.
 pub trait ProgressListener: WasmNotSend {
     /// Receives a step.
     fn progress(&mut self, step: RenderProgress) -> ControlFlow<()>;
@@ -132,14 +132,14 @@ pub struct Console {
     defaults: Option<(LoadArgs, SourceArgs)>,
     listener: Box<dyn ProgressListener>,
     outside: Box<dyn Outside>,
-    /// The explorer's generation for which `ray` and `maps` are valid.
+    /// [`Explorer::generation`] for which `ray` and `maps` are valid.
     generation: u32,
     /// The bounces that `vox_diffuse on` restores.
     bounces: Option<u32>,
-    /// The states of the switches for voxels and for objects after their last flip.
+    /// States of VXCT's switches for voxels and objects after their last flip.
     shown: commands::view::Shown,
     objects: commands::view::Objects,
-    /// Panoramas and skies, with the commands that made them.
+    /// Panoramas and skies, each with the command that made it.
     maps: Vec<(Weak<EnvironmentMap>, String)>,
     /// The ray that is drawn.
     ray: Option<commands::ray::RayMarker>,
@@ -179,9 +179,9 @@ impl Console {
         self
     }
 
-    /// Shows a scene from its camera: [`Explorer::open`]. From one scene of display values with a
-    /// grid of its own to another the camera is kept unless the request names one, because these
-    /// scenes all fill the same cube.
+    /// Shows a scene from its camera: [`Explorer::open`]. If the old and the new scene have display
+    /// values and their own grids, the camera is kept unless the request names one: such scenes all
+    /// fill the same cube.
     pub fn open(&mut self, scene: OpenedScene) {
         let is_of_display =
             |scene: &Scene| scene.grid_bounds.is_some() && scene.has_display_values();
@@ -212,20 +212,19 @@ impl Console {
         self.listener = listener;
     }
 
-    /// Runs a line; an empty one, or a comment, does nothing. Several commands in a line come back
-    /// as [`Effect::Run`].
+    /// Runs a line; an empty one, or a comment, does nothing. Several commands in a line are
+    /// returned as [`Effect::Run`].
     ///
     /// # Errors
-    /// When there is no such command, an argument is wrong, or the command cannot be done. The
-    /// message names the remedy. Nothing has changed then.
+    /// When the command does not exist or fails, or an argument is wrong. The message names the
+    /// remedy. Nothing has changed then.
     pub async fn run(&mut self, line: &str) -> anyhow::Result<Reply> {
         let reply = self.run_on(line).await;
         self.explorer.end_gesture();
         reply
     }
 
-    /// Runs a line that continues the last one, as in a drag: changes of the same things are one
-    /// step for `undo`.
+    /// Runs a line that continues the last one, as in a drag: `undo` undoes both at once.
     ///
     /// # Errors
     /// As [`Self::run`].
@@ -263,9 +262,9 @@ impl Console {
         Ok(reply)
     }
 
-    /// Applies changed settings that need memory for voxels at once, if there is a renderer. If it
-    /// refuses them, the error is reported at the line that caused it, and the settings of `before`
-    /// return.
+    /// If there is a renderer, applies at once changed settings that need memory for voxels. If it
+    /// refuses them, the settings of `before` return, and the line that caused the error reports
+    /// it.
     async fn confirm(&mut self, before: RequestedSettings) -> anyhow::Result<()> {
         let of_voxels = |s: &RenderSettings| {
             let grid = (s.resolution, s.grid_offset, s.grid_bounds);

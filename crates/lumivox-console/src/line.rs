@@ -34,7 +34,7 @@ impl fmt::Display for LineError {
 impl std::error::Error for LineError {}
 
 /// Whether a terminal obeys the character instead of showing it: control characters, separators of
-/// lines and paragraphs, and the marks that change the direction of writing.
+/// lines and paragraphs, and marks that change the direction of writing.
 pub fn is_obeyed(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
@@ -42,11 +42,11 @@ pub fn is_obeyed(c: char) -> bool {
 /// A word of a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Word {
-    /// Without its quotation marks.
+    /// The word without its quotation marks.
     pub text: String,
-    /// Its bytes in the line, with its marks.
+    /// The word's bytes in the line, with quotation marks.
     pub range: Range<usize>,
-    /// The quotation mark that is still open at its end, and its byte offset in the line.
+    /// The quotation mark still open at the word's end, and its byte offset in the line.
     pub open: Option<(char, usize)>,
 }
 
@@ -124,7 +124,7 @@ pub fn quote(word: &str) -> String {
     format!("\"{escaped}\"")
 }
 
-/// Reads `u{1b}` at the start of a text: the character, and the length of the escape.
+/// Reads `u{1b}` at the start of a text. Returns the character and the escape's length.
 fn numbered(text: &str) -> Option<(char, usize)> {
     let (digits, _) = text.strip_prefix("u{")?.split_once('}')?;
     let is_number =

@@ -1,4 +1,4 @@
-//! Names that can be arguments, separate from the console: cheap to copy to other threads.
+//! Names that can be arguments, separate from the console to be copied to other threads.
 
 use std::path::Path;
 

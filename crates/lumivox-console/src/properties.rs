@@ -10,12 +10,12 @@ pub struct Property<T: 'static> {
     pub name: &'static str,
     /// Other names.
     pub aliases: &'static [&'static str],
-    /// The most numbers of its value.
+    /// Maximum count of numbers in its value.
     pub count: usize,
-    /// The value's meaning, with unit and range; empty if [`Self::set`] says it of no words.
+    /// The value's meaning, with unit and range; if empty, the error of [`Self::set`] without
+    /// words.
     pub is: &'static str,
-    /// Its value in words that read back to the same bits; `None` if the thing has no such
-    /// property.
+    /// Its value in words that read back to the same bits; `None` if the thing does not have it.
     pub get: fn(&Self, &T) -> Option<String>,
     /// Sets its value.
     pub set: fn(&Self, &mut T, &[&str]) -> Result<(), Failure>,
@@ -77,8 +77,7 @@ pub fn set<T: Clone>(
                 "{what} has no {name} with its present shading; it has {known}"
             )));
         }
-        // As many numbers as the property takes; a value that is not a number is one word, such as
-        // `none`.
+        // The value is up to `count` numbers, or one word that is not a number, such as `none`.
         let is_number =
             |word: &&&str| word.split(',').all(|part| part.trim().parse::<f64>().is_ok());
         let numbers = rest.iter().take(property.count).take_while(is_number).count();

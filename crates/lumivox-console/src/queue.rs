@@ -13,7 +13,7 @@ const DEEPEST: u32 = 16;
 pub struct Line {
     /// The command, or several with semicolons.
     pub text: String,
-    /// Its source, as in `file:12`; empty for typed lines.
+    /// The line's source, as in `file:12`; empty if typed.
     pub place: String,
     depth: u32,
 }
@@ -29,7 +29,7 @@ impl Line {
 #[derive(Clone, Debug, Default)]
 pub struct Queue {
     lines: VecDeque<Line>,
-    /// The nesting depth of scripts of the line that was taken last.
+    /// Nesting depth of scripts at the last taken line.
     depth: u32,
 }
 
@@ -51,7 +51,7 @@ impl Queue {
         Some(line)
     }
 
-    /// Puts lines before all others, on behalf of the line that was taken last.
+    /// Puts lines before all others, as ordered by the last taken line.
     ///
     /// # Errors
     /// When scripts run each other without end.

@@ -137,7 +137,7 @@ impl AdapterReport {
 pub struct SceneCounts {
     /// Its name.
     pub name: String,
-    /// Triangles, each counted once for every instance that shows it.
+    /// Triangles, each counted once per instance.
     pub triangles: usize,
     /// Meshes, each once.
     pub meshes: usize,
@@ -154,7 +154,7 @@ pub struct SceneCounts {
 }
 
 impl SceneCounts {
-    /// Counts.
+    /// Counts a scene's things.
     pub fn new(scene: &Scene) -> Self {
         Self {
             name: scene.name.clone(),
@@ -172,7 +172,7 @@ impl SceneCounts {
 /// The size of an octree, and how it was built.
 #[derive(Clone, Debug, Serialize)]
 pub struct OctreeReport {
-    /// Slots for nodes: eight in each group.
+    /// Slots for nodes: eight per group.
     pub nodes: u64,
     /// Groups of eight nodes, including the root's.
     pub groups: u32,
@@ -218,7 +218,7 @@ impl OctreeReport {
 /// The box of the grid.
 #[derive(Clone, Debug, Serialize)]
 pub struct GridReport {
-    /// Voxels along x, y and z; with cascades, of each.
+    /// Voxels along x, y and z, of each cascade.
     pub dimensions: [u32; 3],
     /// The corner with the smallest coordinates, in the world, m; with cascades, of the outermost.
     pub origin: [f32; 3],
@@ -226,7 +226,7 @@ pub struct GridReport {
     pub voxel_size_m: f32,
     /// Levels of the pyramid.
     pub levels: u32,
-    /// How many cascades there are; 0 for one box that is fitted to the scene.
+    /// Number of cascades; 0 if one box is fitted to the scene.
     pub cascades: u32,
 }
 
@@ -321,7 +321,7 @@ pub fn memory_table(memory: &[MemoryReport]) -> String {
     table.text()
 }
 
-/// The time of one pass on the GPU, or of a stage: the sum of its passes.
+/// The GPU time of one pass, or of a stage: the sum of its passes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TimeReport {
     /// The stage.

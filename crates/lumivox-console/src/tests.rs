@@ -28,7 +28,7 @@ fn every_command_has_summary_usage_and_example() {
     }
 }
 
-/// A command that has a setting's name sets it, too.
+/// A command with a setting's name also sets it.
 #[test]
 fn no_command_hides_a_setting_of_the_same_name() {
     let takes_a_value = |command: &Command| command.counts() == (0..=1);
@@ -171,7 +171,7 @@ fn completion_offers_words_valid_at_the_cursor() {
     assert_eq!(completed("echo # tr").1, Vec::<String>::new());
     let all = completed("").1;
     assert!(all.contains(&"bounces".to_owned()) && all.contains(&"translate".to_owned()));
-    // The text after the cursor is not part of it.
+    // Text after the cursor is not part of the word.
     let completion = complete(&names(), &|_| vec![], "transl and more", 6);
     assert_eq!((completion.start, completion.candidates), (0, strings(&["translate"])));
 }

@@ -2,8 +2,8 @@
 //! triangles.
 //!
 //! `cargo bench -p lumivox-explorer` prints the time of this thread only, ms a frame: a software
-//! GPU computes on threads of its own. `still` is a frame in which nothing has moved, `moving` one
-//! after a move; the lines below it are its steps.
+//! GPU computes on its own threads. `still` is a frame in which nothing has moved, `moving` one
+//! after a move; the lines below are the steps of `moving`.
 
 use std::time::Duration;
 
@@ -16,9 +16,9 @@ use lumivox_scene::{
 
 /// Objects along each edge of their square.
 const EDGE: usize = 100;
-/// Different meshes; each has as many triangles.
+/// Different meshes with equally many triangles.
 const MESHES: usize = 20;
-/// Frames that the median is taken of.
+/// Frames per median.
 const FRAMES: usize = 21;
 
 /// A ball of 200 triangles.
@@ -83,7 +83,7 @@ fn cpu_time() -> Duration {
     Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
 
-/// Elsewhere the time that has passed, with what was waited for.
+/// Elsewhere the elapsed time, including waits.
 #[cfg(not(target_os = "linux"))]
 fn cpu_time() -> Duration {
     static START: std::sync::LazyLock<std::time::Instant> =
@@ -91,7 +91,7 @@ fn cpu_time() -> Duration {
     START.elapsed()
 }
 
-/// The median of what a step takes, ms.
+/// The median time of a step, ms.
 fn median(mut step: impl FnMut() -> f64) -> f64 {
     let mut times: Vec<f64> = (0..FRAMES).map(|_| step()).collect();
     times.sort_unstable_by(f64::total_cmp);

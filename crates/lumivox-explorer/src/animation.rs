@@ -15,10 +15,10 @@ pub struct Playback {
     pub is_playing: bool,
     /// The time that is shown, s.
     pub time_s: f32,
-    /// Whether a time was asked for. Until then the scene is shown as its file has it, which need
-    /// not be its pose at any time.
+    /// Whether a time was requested. Until then the scene has the pose of its file, which may not
+    /// be its pose at any time.
     pub is_moved: bool,
-    /// Length after which the animation starts again, s.
+    /// Length of the animation, after which it starts again, s.
     pub duration_s: f32,
 }
 
@@ -48,7 +48,7 @@ impl Explorer {
         self.ticked = Instant::now();
     }
 
-    /// Chooses the animation, from its start.
+    /// Chooses the animation, and shows its start.
     ///
     /// # Errors
     /// When the scene has no such animation, or has no triangles left at its start.
@@ -64,7 +64,7 @@ impl Explorer {
     }
 
     /// Shows a time, s; beyond the end the animation starts again. If the camera is one of the
-    /// scene's, it moves with that one.
+    /// scene's, it is animated, too.
     ///
     /// # Errors
     /// When the scene has no triangles left at that time.
@@ -112,10 +112,10 @@ impl Explorer {
     }
 }
 
-/// The number of the scene's camera that has a camera's name, position and direction. The angle of
+/// The number of the scene's camera with this camera's name, position and direction. The angle of
 /// view may differ, since a narrow window widens it.
 fn followed(camera: &Camera, cameras: &[Camera]) -> Option<usize> {
-    /// Rounding in the numbers that a page sends, m and of a direction.
+    /// Rounding of a page's numbers, in m and of unit vectors.
     const ROUNDING: f32 = 1e-4;
     cameras.iter().position(|other| {
         other.name == camera.name

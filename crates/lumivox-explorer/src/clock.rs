@@ -1,4 +1,4 @@
-//! The passing of time: animations advance, and voxels are renewed at intervals.
+//! Advances time: animations, and voxels that are renewed at intervals.
 
 use web_time::Instant;
 
@@ -8,8 +8,8 @@ use crate::{Explorer, ExplorerError, Revoxelize};
 const LONGEST_STEP_S: f32 = 1.0;
 
 impl Explorer {
-    /// Advances time: the animation moves, and voxels are made again where [`Explorer::revoxelize`]
-    /// asks for it. Sequences pass the duration of each frame, scripts a nominal one. Returns
+    /// Advances time: the animation moves, and voxels are made again if [`Explorer::revoxelize`]
+    /// requires it. Sequences pass the duration of each frame, scripts a nominal one. Returns
     /// whether the scene has changed.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 /// Waiting changes, in their order.
 ///
 /// A change with a target only sets that target, so it supersedes a waiting change of the same
-/// target. One without a target may do more, and no change is moved past it.
+/// target. A change without a target may do more, so no change is moved past it.
 #[derive(Clone, Debug)]
 pub struct ChangeQueue<T> {
     waiting: VecDeque<Waiting<T>>,
@@ -98,7 +98,7 @@ mod tests {
         let taken: Vec<_> = tickets.into_iter().map(|ticket| queue.take(ticket)).collect();
         assert_eq!(taken, [None, Some(2), Some(3)]);
         assert!(queue.is_empty());
-        // A change that was taken out is no longer superseded.
+        // A change that was taken out cannot be superseded.
         let first = queue.push(Some("size".to_owned()), 1);
         assert_eq!(queue.take(first), Some(1));
         let second = queue.push(Some("size".to_owned()), 2);

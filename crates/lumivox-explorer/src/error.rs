@@ -26,7 +26,7 @@ pub enum ExplorerError {
         /// The reason.
         problem: &'static str,
     },
-    /// There is no change to undo, or none to redo.
+    /// There is no change to undo or redo.
     #[error("there is nothing to {what}")]
     Nothing {
         /// `undo` or `redo`.

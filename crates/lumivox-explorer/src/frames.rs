@@ -42,8 +42,8 @@ impl FrameTimes {
 }
 
 impl Explorer {
-    /// Brings the renderer up to date and renders one more frame. Returns `false` when the picture
-    /// already has all frames that the settings ask for, or when there is nothing to render.
+    /// Brings the renderer up to date and renders one more frame. Returns `false` if the picture
+    /// already has all requested frames, or if there is nothing to render.
     ///
     /// # Errors
     /// As [`Explorer::update`], and when the device fails.
@@ -65,13 +65,12 @@ impl Explorer {
         if !self.waits_for_gpu {
             self.gpu.finished("rendering a frame").await?;
         }
-        // An overlay that was set later is drawn over the finished picture.
+        // A later overlay is drawn over the finished picture.
         if is_complete {
             renderer.render_overlay_frame().await?;
         } else if let Err(error) = renderer.render_frame().await {
             if matches!(error, RenderError::Gi(_)) {
-                // As after a change that was refused: the next renderer is made from the present
-                // scene.
+                // As after a refused change: the next renderer is made from the present scene.
                 self.renderer = None;
             }
             return Err(error.into());

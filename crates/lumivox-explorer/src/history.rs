@@ -1,9 +1,9 @@
 //! Undo and redo.
 //!
-//! Every change keeps the previous value, and nothing else: a material, the list of lights, the
-//! edit of an object, or the settings. Meshes and textures are never copied.
-//! [`Explorer::note_change`] makes a step of all values kept since the last one. Changes of the
-//! same things are one step until [`Explorer::end_gesture`], so that a drag is undone as a whole.
+//! Every change keeps only the previous value: a material, the list of lights, the edit of an
+//! object, or the settings. Meshes and textures are never copied. [`Explorer::note_change`] makes a
+//! step of all values kept since the last step. Changes of the same things are one step until
+//! [`Explorer::end_gesture`], so that a drag is undone as a whole.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -47,8 +47,8 @@ pub(crate) struct SettingsSnapshot {
 }
 
 impl SettingsSnapshot {
-    /// These settings, but with the present values of what no user asks for: the size is the
-    /// window's, the timing its panels', and the box widens by itself.
+    /// These settings with the present values of those that no user sets: the window's size, the
+    /// panels' timing, and the box, which widens by itself.
     fn beside(mut self, now: &RenderSettings, has_fitted_grid: bool) -> RenderSettings {
         self.settings.size = now.size;
         self.settings.timing = now.timing;
@@ -105,7 +105,7 @@ pub(crate) struct History {
     future: Vec<Step>,
     /// Values before the changes that are not a step yet.
     before: Values,
-    /// Whether further changes of the same things still belong to the last step.
+    /// Whether further changes of the same things belong to the last step.
     is_open: bool,
 }
 
@@ -117,8 +117,8 @@ impl History {
         }
     }
 
-    /// Notes that the renderer has refused the settings: the previous ones are asked for again, and
-    /// no step leads to the refused ones.
+    /// Notes that the renderer has refused the settings: requests the previous ones, and removes
+    /// steps to the refused ones.
     pub(crate) fn refuse_settings(&mut self) {
         let unseen = self.past.iter().rposition(|step| step.is_shown).map_or(0, |at| at + 1);
         for step in &mut self.past[unseen..] {
@@ -217,8 +217,7 @@ impl Explorer {
         }
     }
 
-    /// Restores the other side of a step, and returns the step that leads back; `None` if nothing
-    /// differs.
+    /// Restores a step's values, and returns the step that leads back; `None` if nothing differs.
     fn step_back(&mut self, step: Step) -> Option<Step> {
         let mut values = Values::new();
         for (key, value) in step.values {

@@ -13,7 +13,7 @@ fn undone(explorer: &mut Explorer) -> String {
     explorer.undo().unwrap()
 }
 
-/// Each kind of change is taken back and done again, and the picture is that of before, to the bit.
+/// Each kind of change is undone and redone, and restores the picture to the bit.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn undo_and_redo_cover_every_kind_of_change() {
@@ -98,7 +98,7 @@ fn undo_and_redo_cover_every_kind_of_change() {
     );
 }
 
-/// A drag is one step, the next drag of the same thing another, and what comes in between ends it.
+/// A drag is one step, the next drag of the same thing another, and a change in between ends it.
 #[test]
 fn a_gesture_is_one_undo_step() {
     let mut explorer = explorer("cornell");
@@ -140,7 +140,7 @@ fn refused_settings_leave_no_undo_step() {
     let (asked, preset) = (ask(&explorer), explorer.preset());
     assert!(block_on(explorer.try_settings(asked, preset, &mut |_| {})).is_err());
     explorer.end_gesture();
-    // Found out with the next frame.
+    // The next frame reports the refusal.
     let asked = ask(&explorer);
     explorer.choose_settings(asked, preset).unwrap();
     explorer.end_gesture();
@@ -164,7 +164,7 @@ fn undo_history_is_bounded_and_cleared_with_the_scene() {
     assert!(explorer.undo().is_err() && explorer.redo().is_err());
 }
 
-/// The grid that widened for what has left it stays wide when that comes back.
+/// A grid that widened for an object stays wide when the object returns.
 #[test]
 fn undo_does_not_shrink_a_widened_grid() {
     let mut explorer = explorer("cornell");
@@ -180,7 +180,7 @@ fn undo_does_not_shrink_a_widened_grid() {
     picture(&mut explorer);
     assert_eq!((explorer.settings().grid_bounds, explorer.settings().bounces), (wide, 1));
     assert!(explorer.has_fitted_grid() && explorer.undo().is_err());
-    // A box of the user's own is.
+    // Undo does restore a box that the user set.
     let own = Some(Bounds { min: Vec3::ZERO, max: Vec3::ONE });
     let settings = RenderSettings { grid_bounds: own, ..explorer.settings().clone() };
     explorer.choose_settings(settings, explorer.preset()).unwrap();

@@ -48,7 +48,7 @@
 //! | `metering.rs` | when the exposure is measured |
 //! | `split.rs` | which of two pictures side by side is rendered next |
 //! | `coalesce.rs` | changes that supersede each other while they wait |
-//! | `live.rs` | what only interactive front ends ask: reading a scene again, times of stages |
+//! | `live.rs` | only for interactive front ends: reading a scene again, times of stages |
 
 #![cfg_attr(
     test,
@@ -125,12 +125,12 @@ pub struct Explorer {
     /// The requested settings; [`Explorer::update`] applies them.
     settings: RenderSettings,
     preset: PresetChoice,
-    /// The settings that the renderer accepted last, or the first ones; they return when it refuses
+    /// The settings that the renderer accepted last, or the first ones; restored if it refuses
     /// others.
     accepted: RenderSettings,
     /// Their preset.
     accepted_preset: PresetChoice,
-    /// The grid's box if it was fitted here and not set by a user: it widens.
+    /// The grid's box if it was fitted here, not set by a user; such a box widens.
     fitted: Option<Bounds>,
     camera: Camera,
     /// Two cameras to return to.
@@ -141,15 +141,14 @@ pub struct Explorer {
     pub revoxelize: Revoxelize,
     /// Whether frames are rendered one by one, on demand. Default: no.
     pub is_single_frame: bool,
-    /// Whether each frame is waited for at its end instead of at the start of the next. Default:
-    /// yes.
+    /// Whether to wait for a frame at its end instead of at the start of the next. Default: yes.
     pub waits_for_gpu: bool,
     /// The sizes of pictures while something moves, for front ends that use it.
     pub pacing: Pacing,
     playback: Playback,
     renderer: Option<Renderer>,
     pending: Pending,
-    /// Bounds of the objects at their present places.
+    /// The objects' present bounds.
     boxes: InstanceBounds,
     history: History,
     /// The times of the last frames.
@@ -162,7 +161,7 @@ pub struct Explorer {
 }
 
 impl Explorer {
-    /// Makes an explorer without a scene. `preset` is the one that the settings were made from.
+    /// Makes an explorer without a scene. The settings were made from `preset`.
     pub fn new(gpu: Gpu, settings: RenderSettings, preset: PresetChoice) -> Self {
         Self {
             gpu,
@@ -236,7 +235,7 @@ impl Explorer {
         self.opened.as_ref().map(|opened| &opened.scene)
     }
 
-    /// The open scene, with its edits and without them.
+    /// The open scene, with and without edits.
     pub fn opened(&self) -> Option<&PreparedScene> {
         self.opened.as_ref()
     }
@@ -310,7 +309,7 @@ impl Explorer {
         self.confirm(before, progress).await
     }
 
-    /// The present request, for [`Self::confirm`].
+    /// The requested settings, for [`Self::confirm`].
     pub fn asked(&self) -> RequestedSettings {
         RequestedSettings {
             settings: self.settings.clone(),
@@ -343,7 +342,7 @@ impl Explorer {
         updated
     }
 
-    /// Sets whether the grid's box widens for objects that leave it, as the first one does.
+    /// Sets whether the grid's box widens for objects that leave it, as the first box does.
     pub fn set_grid_widens(&mut self, widens: bool) {
         self.fitted = self.settings.grid_bounds.filter(|_| widens);
     }
@@ -416,8 +415,8 @@ impl Explorer {
         self.renderer.as_ref()
     }
 
-    /// The renderer, for reading pictures and figures. Its scene, camera and settings are those of
-    /// the explorer: change them there. The next [`Self::update`] replaces another camera or other
+    /// The renderer, for reading pictures and figures. Change scene, camera and settings only
+    /// through the explorer: the next [`Self::update`] overwrites the renderer's camera and
     /// settings.
     pub fn renderer_mut(&mut self) -> Option<&mut Renderer> {
         self.renderer.as_mut()
@@ -433,7 +432,7 @@ impl Explorer {
         }
     }
 
-    /// Changes a material; returns `false` when there is none of that number.
+    /// Changes a material; returns `false` if it does not exist.
     pub fn edit_material(
         &mut self,
         number: usize,

@@ -1,4 +1,4 @@
-//! When a picture that is still improving is metered again. Metering reads the whole picture back.
+//! Decides when an improving picture is metered again. Metering reads the whole picture back.
 
 use std::mem::discriminant;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use crate::{Explorer, ExplorerError};
 /// The least time between two measurements while the scene or the camera moves.
 const MEASURE_EVERY: Duration = Duration::from_millis(250);
 
-/// The measurement without a renderer.
+/// The result without a renderer.
 const NOTHING: Metering = Metering { stops: 0.0, warning: None, histogram: None };
 
 /// The exposure that pictures are shown with, and when it was measured.
@@ -19,8 +19,7 @@ const NOTHING: Metering = Metering { stops: 0.0, warning: None, histogram: None 
 pub struct ExposureMeter {
     last: Metering,
     measured: Option<Instant>,
-    /// Frames of the picture that was measured last; `None` if the present state was not measured
-    /// yet.
+    /// Frames of the last measured picture; `None` if the present state was not measured yet.
     frames: Option<u32>,
 }
 
@@ -36,7 +35,7 @@ impl ExposureMeter {
         self.frames = None;
     }
 
-    /// Call this when the next picture shows something else: it is then measured whenever it comes.
+    /// Call this when the next picture shows something else: it is then measured at once.
     pub fn forget(&mut self) {
         self.measured = None;
     }
@@ -56,8 +55,7 @@ impl ExposureMeter {
         self.last.warning
     }
 
-    /// Measures the picture if a measurement is due. Returns each warning only once: the first
-    /// frames are as dark as the last.
+    /// Measures the picture if a measurement is due. Returns each warning only once, not per frame.
     ///
     /// # Errors
     /// If the device fails.
@@ -76,7 +74,7 @@ impl ExposureMeter {
         Ok(self.take(&metering, frames))
     }
 
-    /// Measures a scene's first, coarse picture only for its stops. The pictures of full size get a
+    /// Measures only the stops of a scene's first, coarse picture; pictures of full size get a
     /// histogram and warnings.
     ///
     /// # Errors
@@ -99,8 +97,8 @@ impl ExposureMeter {
         Ok(meter(explorer).await?.stops)
     }
 
-    /// Pictures are measured at 1, 2, 4, 8, ... frames and at the last one. While something moves,
-    /// each picture has one frame, and the time since the last measurement decides.
+    /// Whether to measure: at 1, 2, 4, 8, ... frames and at the last one. In motion each picture
+    /// has one frame, and is measured after [`MEASURE_EVERY`].
     fn is_due(&self, frames: u32, is_last: bool) -> bool {
         let Some(measured) = self.measured else { return true };
         if self.frames == Some(frames) {

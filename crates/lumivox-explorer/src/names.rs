@@ -37,9 +37,8 @@ impl NotFound {
     }
 }
 
-/// The names of things of one kind, each once: an unnamed thing is called by its place, and a
-/// repeated name gets a number. Line feeds and the like become blanks, because a name is a word of
-/// a line.
+/// Unique names of things of one kind: an unnamed thing is called by its number, and a repeated
+/// name gets a number. Line feeds and the like become blanks, because a name is a word of a line.
 fn unique<'a>(kind: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut used = HashSet::new();
     // The next number for each name: many things may share one.

@@ -10,13 +10,13 @@ use crate::opened::PreparedScene;
 /// The changes made to an object.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Edit {
-    /// The transform that is applied before the place that the file or the animation gives it.
+    /// Transform applied before that of the file or the animation.
     local: Mat4,
     is_hidden: Option<bool>,
     is_static: Option<bool>,
 }
 
-/// The marks that the file gives an object.
+/// The file's marks of an object.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Marks {
     is_hidden: bool,
@@ -114,13 +114,13 @@ impl Explorer {
         Some(Placement::of(instance.world_from_local))
     }
 
-    /// The transform that its file or its animation gives an object; `None` beyond the last.
+    /// An object's transform from its file or animation; `None` beyond the last.
     pub fn posed(&self, object: usize) -> Option<Mat4> {
         self.opened.as_ref()?.posed.get(object).copied()
     }
 
     /// The edit for [`Self::set_local_edit`] that puts an object at a place in the world. It is not
-    /// finite where an animation has scaled the object to nothing.
+    /// finite if an animation has scaled the object to nothing.
     pub fn local_edit_for(&self, object: usize, placement: Placement) -> Option<Mat4> {
         Some(self.posed(object)?.inverse() * placement.matrix())
     }
@@ -135,13 +135,12 @@ impl Explorer {
         self.edit(object, |edit| edit.is_hidden = Some(is_hidden));
     }
 
-    /// Sets whether an object is static: it stays while others move.
+    /// Sets whether an object is static: it never moves.
     pub fn set_static(&mut self, object: usize, is_static: bool) {
         self.edit(object, |edit| edit.is_static = Some(is_static));
     }
 
-    /// The transform that was added to an object, applied before the place that its file or its
-    /// animation gives it.
+    /// The transform that was added to an object, applied before that of its file or animation.
     pub fn local_edit(&self, object: usize) -> Option<Mat4> {
         self.posed(object)?;
         let edit = self.opened.as_ref().and_then(|opened| opened.edit_of(object));
@@ -153,8 +152,7 @@ impl Explorer {
         self.edit(object, |edit| edit.local = local);
     }
 
-    /// Whether a user has hidden or shown the object, and made it static or dynamic; `None` where
-    /// the file decides.
+    /// Whether a user has hidden the object, and made it static; `None` if the file decides.
     pub fn marks(&self, object: usize) -> (Option<bool>, Option<bool>) {
         let edit = self.opened.as_ref().and_then(|opened| opened.edit_of(object));
         edit.map_or((None, None), |edit| (edit.is_hidden, edit.is_static))
@@ -176,7 +174,7 @@ impl Explorer {
         if let Some(name) = opened.names.get(object) {
             let edit = opened.edits.entry(name.clone()).or_default();
             change(edit);
-            // Rounding in the last row of a projection would shear whatever it is multiplied with.
+            // Rounding in the last row would act as a projection in later products.
             let last_row = Vec4::W;
             edit.local = edit.local.transpose();
             edit.local.w_axis = last_row;

@@ -19,13 +19,13 @@ pub struct PreparedScene {
     /// The displayed scene.
     pub(crate) scene: Scene,
     pub(crate) camera: Camera,
-    /// The box that the grid is fitted to.
+    /// The box to which the grid is fitted.
     pub(crate) grid_bounds: Option<Bounds>,
     /// The objects' names, each once, in the order of the scene's instances.
     pub(crate) names: Vec<String>,
     /// The objects' transforms without edits, in the same order.
     pub(crate) posed: Vec<Mat4>,
-    /// The marks that the file gives them, in the same order.
+    /// The file's marks of the objects, in the same order.
     pub(crate) marks: Vec<Marks>,
     /// The objects' edits by name.
     pub(crate) edits: BTreeMap<String, Edit>,
@@ -37,7 +37,7 @@ pub struct PreparedScene {
 const POSES: u32 = 32;
 
 impl PreparedScene {
-    /// Finds a camera, adds light where the scene has too little, and measures the bounds of its
+    /// Finds a camera, adds light if the scene has too little, and measures the bounds of its
     /// animation. This may take seconds and needs no GPU; `progress` is called at each step.
     ///
     /// # Errors
@@ -83,7 +83,7 @@ impl PreparedScene {
         &self.camera
     }
 
-    /// Notes for the user on what was chosen: camera and light.
+    /// Notes for the user on the chosen camera and light.
     pub fn notes(&self) -> &[Note] {
         &self.notes
     }
@@ -99,7 +99,7 @@ impl PreparedScene {
     }
 }
 
-/// The box around all poses of what moves; a grid that followed each pose would flicker.
+/// The box around all poses; a grid fitted to each pose would flicker.
 fn bounds_of_all_poses(
     scene: &mut Scene,
     progress: &mut dyn FnMut(RenderProgress),
@@ -121,10 +121,10 @@ fn bounds_of_all_poses(
 /// The most voxels along the longest axis in a first picture.
 const FIRST_RESOLUTION: u32 = 32;
 
-/// Settings for a scene's first picture, which is shown while the requested one takes its time: at
-/// most 32 voxels along the longest axis, and only direct light, or one bounce if the scene has no
-/// lamps. If the view shows voxels instead of light, the requested settings are returned. The size
-/// is left as requested.
+/// Settings for a scene's first picture, shown until the requested one is ready: at most 32 voxels
+/// along the longest axis, and only direct light, or one bounce if the scene has no lamps. If the
+/// view shows voxels instead of light, the requested settings are returned. The size is left as
+/// requested.
 pub fn first_look(asked: &RenderSettings, scene: Option<&Scene>) -> RenderSettings {
     if !asked.view.is_light() {
         return asked.clone();

@@ -1,4 +1,4 @@
-//! The scene before it was changed: scripts that repeat the changes start from it.
+//! The scene before changes: scripts that repeat them start from it.
 
 use lumivox_scene::{Environment, Light, Material, Scene};
 

@@ -1,11 +1,11 @@
-//! The size of the next picture: coarse while a scene is new, and while something moves if frames
-//! take longer than their budget.
+//! The size of the next picture: coarse for a new scene, and in motion if frames exceed their
+//! budget.
 //!
-//! Each size has half as many pixels as the next finer one, and takes about half of its time. A
-//! coarser size is chosen after some frames over the budget, as coarse as their times require; a
-//! finer one only after more frames that would have stayed well within the budget with twice the
-//! pixels. So a single slow frame changes nothing, and sizes do not alternate. The chosen size is
-//! kept for the next motion. At rest the size is the full one.
+//! Each size has half the pixels of the next finer one, and takes about half the time. A coarser
+//! size is chosen after some frames over the budget, as coarse as their times require; a finer one
+//! only after more frames so fast that twice the pixels would fit well within the budget. So a
+//! single slow frame changes nothing, and sizes do not alternate. The chosen size is kept for the
+//! next motion. At rest the size is the full one.
 
 use std::time::Duration;
 
@@ -26,7 +26,7 @@ const COARSEST: u32 = 4;
 
 /// Frames over the budget before pictures become coarser.
 const COARSER_AFTER: u32 = 3;
-/// Frames below it before they become finer.
+/// Frames well below the budget before pictures become finer.
 const FINER_AFTER: u32 = 8;
 /// The share of the budget that the finer picture may take.
 const HEADROOM: f32 = 0.8;
@@ -39,14 +39,14 @@ pub struct Pacing {
     /// [`LONGEST_BUDGET_MS`]; at 0 pictures are never coarser. Default: [`FRAME_BUDGET_MS`]. Lower:
     /// smoother motion, with fewer pixels.
     pub budget_ms: f32,
-    /// When the last change was seen, or made if no frame has shown it yet.
+    /// Time at which the last change was shown, or made if not shown yet.
     changed: Option<Instant>,
-    /// Whether a frame has yet to show the last change.
+    /// Whether the last change is not shown yet.
     is_awaited: bool,
     /// Whether the last change was part of a motion.
     is_motion: bool,
     is_first: bool,
-    /// The step of pictures in motion: each has half as many pixels as the one before.
+    /// The step of pictures in motion: each step halves the pixels.
     step: u32,
     /// The step of the present picture.
     shown: u32,
@@ -127,7 +127,7 @@ impl Pacing {
         if std::mem::take(&mut self.is_resized) || self.is_first || self.budget_ms <= 0.0 {
             return;
         }
-        // The time of a picture of the size in motion, by its pixels.
+        // The time of a picture in motion, scaled by pixels.
         let ms = duration.as_secs_f32() * 1e3 * pixels(self.step) / pixels(self.shown);
         let is_over = ms > self.budget_ms;
         // Frames at rest do not include the costs that only motion has.
@@ -197,10 +197,10 @@ mod tests {
     fn slow_frames_lower_the_resolution_of_motion() {
         let mut pacing = Pacing::default();
         let slow = widths(&mut pacing, [100.0; 60]);
-        // 25 ms of 33 at a quarter of the pixels; half of them would take 50.
+        // A quarter of the pixels takes 25 ms of 33; half would take 50.
         assert_eq!(slow[..4], [640, 640, 640, 320]);
         assert!(slow[4..].iter().all(|width| *width == 320), "{slow:?}");
-        // At rest, all pixels; in the next motion, at once those of the last one.
+        // At rest, all pixels; the next motion starts with the last one's size.
         pacing.changed = pacing.changed.and_then(|changed| changed.checked_sub(REST));
         assert_eq!((pacing.next_size(FULL), pacing.is_coarse()), (FULL, false));
         assert_eq!(widths(&mut pacing, [100.0]), [320]);
@@ -218,11 +218,11 @@ mod tests {
 
     #[test]
     fn resolution_does_not_oscillate_between_sizes() {
-        // A slow frame now and then changes nothing.
+        // Occasional slow frames change nothing.
         let mut pacing = Pacing::default();
         let spikes = widths(&mut pacing, (0..60).map(|i| if i % 3 == 0 { 500.0 } else { 20.0 }));
         assert!(spikes.iter().all(|width| *width == 640), "{spikes:?}");
-        // Whatever frames take, a motion of even cost comes to one size.
+        // At any constant cost a motion reaches one size.
         for ms in (5..600).step_by(5) {
             let mut pacing = Pacing::default();
             let all = widths(&mut pacing, [ms as f32; 80]);
@@ -231,7 +231,7 @@ mod tests {
             let is_within = ms as f32 * pacing.scale().powi(2) <= pacing.budget_ms;
             assert!(is_within || all[79] == 160, "{ms} ms: {all:?}");
         }
-        // Once it is cheap again, it becomes finer step by step.
+        // Once frames are cheap again, pictures become finer step by step.
         let mut pacing = Pacing::default();
         widths(&mut pacing, [400.0; 10]);
         let cheap = widths(&mut pacing, [10.0; 60]);
@@ -244,7 +244,7 @@ mod tests {
         let mut pacing = Pacing { step: 2, ..Pacing::default() };
         pacing.scene_changed();
         assert!(!pacing.is_moving() && !pacing.is_coarse());
-        // However long the frame took that shows it, the next change is one of a motion.
+        // However long that change's frame took, the next change is part of a motion.
         pacing.changed = pacing.changed.and_then(|changed| changed.checked_sub(2 * REST));
         pacing.note_frame(2 * REST);
         pacing.scene_changed();

@@ -43,9 +43,8 @@ impl SplitSchedule {
         }
     }
 
-    /// Advances after the side of [`Self::next`] had its turn. `has_rendered` says whether it had a
-    /// frame to render, `is_changing` whether the next frames show something else, as while an
-    /// animation plays.
+    /// Advances after the turn of [`Self::next`]. `has_rendered`: it had a frame to render;
+    /// `is_changing`: the next frames differ, as while an animation plays.
     pub fn advance(&mut self, has_rendered: bool, is_changing: bool) {
         self.phase = match self.phase {
             Phase::FirstLeft => Phase::FirstRight,
@@ -62,8 +61,8 @@ impl SplitSchedule {
         self.phase = Phase::FirstLeft;
     }
 
-    /// Notes that the scene has changed by itself: both pictures start again, once both have a
-    /// frame of the last change.
+    /// Notes that the scene has changed by itself: both pictures start again once both show the
+    /// last change.
     pub fn scene_changed(&mut self) {
         if self.phase != Phase::FirstRight {
             self.phase = Phase::FirstLeft;

@@ -123,9 +123,8 @@ fn settings_refused_by_the_renderer_are_reverted() {
     assert!(picture(&mut explorer) == first);
 }
 
-/// If light of earlier frames is kept, voxels are updated within frames, even if they are late:
-/// nothing is voxelized as a whole, and a picture of one frame is complete once the voxels are up
-/// to date.
+/// If light of earlier frames is kept, voxels are updated within frames, even if late: the scene is
+/// never voxelized as a whole, and one frame completes a picture once its voxels are up to date.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn realtime_motion_updates_voxels_within_each_frame() {
@@ -147,8 +146,7 @@ fn realtime_motion_updates_voxels_within_each_frame() {
     assert!(stages.iter().all(|stage| !["voxelize", "light"].contains(stage)), "{stages:?}");
 }
 
-/// A triangle on the ground, and a lamp above it that slides in the only animation, with a camera
-/// on it.
+/// A triangle on the ground; the only animation slides a lamp above it, with a camera on it.
 fn sliding_lamp() -> Scene {
     const GLTF: &str = r#"{
         "asset": { "version": "2.0" },
@@ -212,7 +210,7 @@ fn a_scene_camera_follows_its_animation() {
     explorer.seek(0.5).unwrap();
     assert!(explorer.follows_camera());
     assert_eq!(explorer.camera().position, Vec3::new(0.25, 1.0, 2.0));
-    // A hand takes it away.
+    // The user moves the camera away.
     let by_hand = Camera { position: Vec3::new(0.0, 3.0, 3.0), ..explorer.camera().clone() };
     explorer.set_camera(by_hand.clone());
     explorer.seek(1.0).unwrap();
@@ -243,7 +241,7 @@ fn revoxelize_policies_decide_when_voxels_follow() {
     }
 }
 
-/// The grid is wide enough for what leaves it, and does not shrink again.
+/// The grid widens for objects that leave it, and does not shrink again.
 #[test]
 fn the_grid_widens_for_objects_that_leave_it() {
     let mut explorer = explorer("cornell");
@@ -256,7 +254,7 @@ fn the_grid_widens_for_objects_that_leave_it() {
     explorer.transform(last, Mat4::from_translation(Vec3::X * -3.0));
     picture(&mut explorer);
     assert_eq!(*explorer.renderer().unwrap().gi().grid(), wide);
-    // To the other side, whence it may come back.
+    // Out at the other side, then back.
     explorer.transform(last, Mat4::from_translation(Vec3::X * -3.0));
     picture(&mut explorer);
     let wider = *explorer.renderer().unwrap().gi().grid();
@@ -285,7 +283,7 @@ fn object_names_are_made_unique() {
     assert!(wrong.contains("`objects` lists"), "{wrong}");
 }
 
-/// Naming, finding and hiding many objects of the same name does not count from the start for each.
+/// Naming, finding and hiding many objects of one name takes linear time.
 #[test]
 fn thousands_of_equal_names_are_made_unique() {
     let mut explorer = explorer("cornell");
@@ -333,7 +331,7 @@ fn cameras_are_stored_under_names() {
         let error = explorer.store_camera(name).unwrap_err().to_string();
         assert!(error.contains(&format!("as \"{name}\"")), "{error}");
     }
-    // Again under the same name: what is there now.
+    // Storing under this name again replaces the camera.
     explorer.store_camera("window seat").unwrap();
     let stored: Vec<Camera> = explorer.stored_cameras().map(|(_, camera)| camera.clone()).collect();
     assert_eq!(stored[1].position, Vec3::ONE);
@@ -343,8 +341,8 @@ fn cameras_are_stored_under_names() {
     assert_eq!(explorer.stored_cameras().count(), 0);
 }
 
-/// A dark scene is lit unless that is disabled, and a note says by what; a scene that shines is not
-/// changed.
+/// A dark scene is lit unless that is disabled, and a note names the light; an emissive scene is
+/// unchanged.
 #[test]
 fn dark_scenes_get_default_light_and_a_note() {
     let mut dark = lumivox_scene::builtin::scene("cornell").unwrap();
@@ -381,7 +379,7 @@ fn a_requested_camera_wins_over_scene_and_default_cameras() {
     assert_eq!(found, scene.default_camera(1.0));
 }
 
-/// Messages are those of the crates below, to the letter, and errors keep their types.
+/// Messages of lower crates are passed on to the letter, and errors keep their types.
 #[test]
 fn errors_keep_the_messages_of_lower_crates() {
     let mut explorer = explorer("cornell");

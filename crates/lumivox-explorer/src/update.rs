@@ -20,13 +20,12 @@ pub(crate) struct Pending {
     pub(crate) objects: BTreeSet<usize>,
     /// Whether materials changed.
     pub(crate) materials: bool,
-    /// Whether voxels are made again in any case.
+    /// Whether voxels are made again even if nothing moved.
     pub(crate) voxels: bool,
 }
 
 impl Pending {
-    /// Whether the picture changes. New voxels do not count, since they may be made again all the
-    /// time.
+    /// Whether the picture changes. New voxels do not count, since they may be made every frame.
     fn changes_the_picture(&self) -> bool {
         self.lights || self.shapes || self.materials || !self.objects.is_empty()
     }
@@ -69,7 +68,7 @@ impl Explorer {
     ) -> Result<(), ExplorerError> {
         let Some(opened) = &self.opened else { return Ok(()) };
         let scene = &opened.scene;
-        // Another budget needs other vertices on the GPU, so the renderer is made again.
+        // Another budget keeps other vertices on the GPU, so the renderer is made again.
         let budget = self.settings.geometry_budget;
         self.renderer.take_if(|renderer| renderer.settings().geometry_budget != budget);
         let Some(renderer) = &mut self.renderer else {
@@ -133,8 +132,8 @@ impl Explorer {
         self.history.accept();
     }
 
-    /// Widens the grid if something has left it, unless its box is the scene's or the user's own.
-    /// The grid does not follow motion within it, since light would flicker.
+    /// Widens the grid if something has left it, unless the scene or the user set its box. Motion
+    /// within it does not change the grid, since light would flicker.
     fn fit_grid(&mut self) {
         let (Some(renderer), Some(scene)) = (&self.renderer, self.scene()) else { return };
         let has_cascades = renderer.gi().grid().cascades.is_some();

@@ -1,6 +1,6 @@
 //! The classics free their GPU resources when other settings are chosen, and with the renderer.
 //!
-//! Alone in a program of its own: the count is of the whole process.
+//! It has its own program, since resources are counted per process.
 
 #[allow(dead_code, unused_imports)] // The renderer's own tests use the rest.
 #[path = "../../lumivox-render/tests/it/common/mod.rs"]

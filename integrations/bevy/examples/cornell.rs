@@ -1,4 +1,4 @@
-//! The Cornell box, in which a block moves: its shadow, its colour and the light around it follow.
+//! The Cornell box with a moving block, whose shadow and reflected light follow it.
 
 mod common;
 

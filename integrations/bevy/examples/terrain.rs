@@ -1,5 +1,5 @@
-//! A flight over a valley with a village, in the hour before sunset: a landscape of a kilometre
-//! under Bevy's atmosphere, lit by cascades around the camera.
+//! A flight over a valley with a village before sunset: a kilometre of landscape under Bevy's
+//! atmosphere, lit by cascades around the camera.
 
 mod common;
 

@@ -51,10 +51,9 @@ pub struct LumivoxPlugin {
 
 impl LumivoxPlugin {
     /// For apps that render forward, because they use multisampling or many custom materials. All
-    /// indirect light then comes from the probes that otherwise light only transparent objects, one
-    /// per four voxels along each axis, instead of from cones per pixel. It is softer, cheaper, and
-    /// diffuse only. Glossy surfaces reflect the camera's environment map, as they do without this
-    /// plugin.
+    /// indirect light then comes from probes, one per four voxels along each axis, which otherwise
+    /// light only transparent objects. It is softer and cheaper than cones per pixel, and diffuse
+    /// only. Glossy surfaces reflect the camera's environment map, as they do without this plugin.
     pub fn forward() -> Self {
         Self { is_forward: true }
     }

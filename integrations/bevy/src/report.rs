@@ -1,4 +1,4 @@
-//! Reports from the render world to the app: a message and a line in the log for each.
+//! Reports from the render world: each is a message to the app and a line in the log.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -28,7 +28,7 @@ pub enum LumivoxEvent {
         /// The reason, and what to do.
         reason: String,
     },
-    /// Lights of a kind that does not light the voxels.
+    /// A kind of light that does not light the voxels.
     LightLeftOut {
         /// The light's type.
         kind: &'static str,

@@ -8,9 +8,8 @@ use lumivox::{CascadeOptions, Preset, TraceSettings};
 /// Global illumination for a camera. Every value may change at run time.
 ///
 /// It replaces the camera's ambient light and environment map, which would light closed rooms, by
-/// light that walls block: that of ambient light and environment map from outside the voxels, of
-/// all lamps and suns, and of emissive surfaces, with all bounces. Direct light and its shadows
-/// stay Bevy's.
+/// light that walls block: from outside the voxels, from all lamps and suns, and from emissive
+/// surfaces, with all bounces. Direct light and its shadows stay Bevy's.
 ///
 /// The camera renders deferred (Bevy's [`DeferredPrepass`]) without multisampling, unless the
 /// plugin is [`LumivoxPlugin::forward`](crate::LumivoxPlugin::forward); use TAA, SMAA or FXAA for
@@ -111,10 +110,9 @@ impl Default for GiVolume {
 #[reflect(Component, Default, Debug, Clone)]
 pub struct NotInGi;
 
-/// Adds to a camera the G-buffer that its cones start from. This is an observer because `Camera`
-/// requires multisampling before the component could require its absence.
-/// It adds no normal prepass: with one, Bevy 0.20 shades transparent objects with the normals of
-/// what is behind them.
+/// Adds the G-buffer that cones start from. It is an observer, since `Camera` would require
+/// multisampling before [`LumivoxGi`] could require [`Msaa::Off`]. It adds no normal prepass: with
+/// one, Bevy 0.20 shades transparent objects with normals of surfaces behind them.
 pub(crate) fn draw_gbuffer(added: On<Add<LumivoxGi>>, mut commands: Commands) {
     let gbuffer = (DepthPrepass, MotionVectorPrepass, DeferredPrepass);
     commands.entity(added.entity).insert_if_new((Hdr, gbuffer)).insert(Msaa::Off);

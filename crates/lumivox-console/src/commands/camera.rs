@@ -211,7 +211,7 @@ fn store(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
         return Ok(Reply::default());
     }
     console.explorer.scene().ok_or_else(nothing_to_show)?;
-    // A name that `camera` reads as something else could not be used.
+    // A name that `camera` reads differently could not be used.
     let is_name = matches!(camera::camera(text), Ok(CameraChoice::Name(name)) if name == text);
     if !text.trim().is_empty() && (!is_name || [FRAMING, OUTSIDE, INSIDE].contains(&text)) {
         return Err(Failure::input(format!(

@@ -95,8 +95,8 @@ struct LoadLine {
     light: SourceArgs,
     #[arg(long, value_parser = camera::camera, allow_hyphen_values = true)]
     camera: Option<CameraChoice>,
-    /// Width by height of the picture for which a camera and lamps are found; the present picture's
-    /// by default.
+    /// Width over height of the picture for which camera and lamps are found; default: the present
+    /// picture's.
     #[arg(long, value_parser = crate::values::number::number(1e-3..=1e3), allow_negative_numbers = true)]
     aspect: Option<f32>,
 }
@@ -151,8 +151,7 @@ fn told(error: &clap::Error) -> Failure {
     Failure::input(format!("load: {}", said.trim_start_matches("error: ")))
 }
 
-/// The arguments of `load` that repeat this request. `aspect` is the aspect of the picture, if it
-/// is known.
+/// The arguments of `load` that repeat this request. `aspect` is the picture's, if known.
 pub fn line(opening: &SceneRequest, aspect: Option<f32>) -> String {
     use crate::line::quote;
     let mut words = vec![quote(&opening.source.to_string())];
@@ -257,8 +256,7 @@ fn camera_words(camera: &CameraChoice) -> String {
     let CameraChoice::LookAt { position, target, vertical_fov_rad } = camera else {
         return camera.to_string();
     };
-    // The command line reads degrees in f32: one of the numbers next to this one gives the same
-    // radians.
+    // The command line reads degrees in f32, so a neighbour of `near` may give the exact radians.
     let near = vertical_fov_rad.to_degrees();
     let numbers = [
         near,

@@ -12,7 +12,7 @@ use crate::command::{Command, Edits, Group, PLAIN, Takes};
 use crate::report::TimesReport;
 use crate::{Console, Effect, Failure, Reply};
 
-/// The longest time for which `avgf` renders frames that are missing.
+/// The longest time for which `avgf` renders missing frames.
 const LONGEST_MEASUREMENT: Duration = Duration::from_secs(1);
 
 /// The most frames that a script may wait for at once.

@@ -94,7 +94,7 @@ pub fn run(console: &mut Console, name: &str, arguments: &[&str]) -> anyhow::Res
         }
         [] => Ok(Reply::say(format!("{name} {}", parameter.get(settings)))),
         words => {
-            // Vectors may also be written with blanks.
+            // Vectors may also be separated by blanks.
             let text = words.join(",");
             let value = parameter.parse(&text).map_err(|error| {
                 let like = suggest::like(&text, parameter.kind.words());
@@ -114,7 +114,7 @@ pub fn of_preset(console: &Console) -> RenderSettings {
     of_preset_at(console, console.explorer.settings().resolution)
 }
 
-/// As [`of_preset`], with the cones for a resolution; `resolution` itself is the default.
+/// As [`of_preset`], with the cones for `resolution`; the setting `resolution` has its default.
 fn of_preset_at(console: &Console, resolution: u32) -> RenderSettings {
     let preset = console.explorer.preset();
     let defaults = RenderSettings { resolution, ..RenderSettings::default() };
@@ -200,8 +200,8 @@ fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     }
 }
 
-/// `true` if copying a setting changes no other setting: the options of an octree require an
-/// octree, and those of a look require that look.
+/// `true` if copying the setting changes no other: options of an octree or a look require that
+/// octree or look.
 fn is_free(parameter: &Parameter, settings: &RenderSettings, from: &RenderSettings) -> bool {
     parameter.means_something(settings) && parameter.means_something(from)
 }

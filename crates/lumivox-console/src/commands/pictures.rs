@@ -162,7 +162,7 @@ async fn compare(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Re
     let picture = console.picture().await?;
     let truth = layers.layer(&layers.radiance);
     let variance = layers.radiance_variance.as_slice();
-    // Too few samples give no estimate of their variance.
+    // With too few samples the variance is unknown.
     let variance = variance.iter().all(|value| value.is_finite()).then_some(variance);
     let figures = ErrorFigures::new(&truth, variance, &LinearPicture::from(&picture))?;
     let comparison = Comparison {

@@ -18,19 +18,19 @@ pub fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::say(format!("{file}: {} commands", lines.len())))
 }
 
-/// The commands. Their order matters: size and preset come before the scene, whose lighting depends
-/// on them; the grid comes before the objects that move in it.
+/// The commands. Their order matters: the scene's lighting depends on size and preset, and objects
+/// move in the grid.
 fn lines(console: &Console) -> Vec<String> {
     let explorer = &console.explorer;
     let settings = explorer.settings();
     let mut lines = vec![format!("size {}x{}", settings.size.x, settings.size.y)];
-    // Cones of a look depend on the resolution at which it is chosen.
+    // A look's cones depend on the resolution when it is chosen.
     lines.push(format!("resolution {}", settings.resolution));
     lines.push(format!("preset {}", explorer.preset().name()));
     let preset = parameters::of_preset(console);
     let mut differing: Vec<&Parameter> =
         parameters::differing(settings, &preset).filter(|p| p.name != "resolution").collect();
-    // Settings that others need come first, and settings that need others come last, such as the
+    // Settings that others require come first; those that require others come last, such as the
     // view of an octree's nodes.
     differing.sort_by_key(|parameter| match parameter.name {
         "look" | "volume" => 0,
@@ -164,8 +164,8 @@ fn light_lines(console: &Console, opened: &PreparedScene, has_sky: bool) -> Vec<
             })
             .collect();
     }
-    // Lights were added, removed or reordered. The order matters: the sum of their light depends on
-    // it in its last bits.
+    // Lights were added, removed or reordered. The last bits of the sum of light depend on their
+    // order.
     let mut lines = vec!["remove_light all".to_owned()];
     for (light, name) in scene.lights.iter().zip(names) {
         let fields = light.kind.fields();

@@ -113,7 +113,7 @@ pub const TABLE: &[Command] = &[
     },
 ];
 
-/// The states of VXCT's switches of voxels, each independent of the others.
+/// The states of VXCT's independent switches of voxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shown {
     /// The view when no switch is on.
@@ -127,7 +127,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// The states that match a view; `before` are those after the last flip.
+    /// The states that match a view; `before` are the states after the last flip.
     fn of(view: View, before: Self) -> Self {
         match view {
             _ if before.view() == view => before,
@@ -204,8 +204,8 @@ impl Objects {
     }
 }
 
-/// Sets or toggles one of the switches. If the overlay has changed since the last flip, their
-/// states are derived from it.
+/// Sets or toggles one of the switches. If the overlay has changed since the last flip, the states
+/// are derived from it.
 fn flip_objects(
     console: &mut Console,
     arguments: &[&str],

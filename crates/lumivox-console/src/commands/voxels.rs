@@ -113,7 +113,7 @@ fn voxels(renderer: &Renderer) -> String {
     format!("{voxels} with {}", counted(stats.faces as usize, "face", "faces"))
 }
 
-/// Checks that the level to be shown exists.
+/// Checks that the displayed level exists.
 ///
 /// # Errors
 /// When it does not.

@@ -16,14 +16,14 @@ pub use light::SourceArgs;
 pub use load::LoadArgs;
 pub use source::{BUILTIN, SceneSource};
 
-/// A request to open a scene: which scene, and how it is read and lit.
+/// A request to open a scene: which one, and how it is read and lit.
 #[derive(Clone, Debug)]
 pub struct SceneRequest {
     /// The scene.
     pub source: SceneSource,
     /// How its file is read.
     pub load: LoadArgs,
-    /// The additions to its light.
+    /// Added light.
     pub light: SourceArgs,
     /// The camera of the first picture; the scene's own if `None`.
     pub camera: Option<CameraChoice>,
@@ -55,7 +55,7 @@ impl SceneRequest {
     }
 }
 
-/// A scene that was read and prepared, with the request that asked for it.
+/// A scene that was read and prepared, with its request.
 #[derive(Debug)]
 pub struct OpenedScene {
     /// The request.

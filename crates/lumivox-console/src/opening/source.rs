@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// The prefix of the names of built-in scenes.
 pub const BUILTIN: &str = "builtin:";
 
-/// A scene, as people name it.
+/// A scene as users name it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SceneSource {
     /// A built-in scene.

@@ -19,7 +19,7 @@ pub const OUTSIDE: &str = "outside";
 pub const INSIDE: &str = "inside";
 
 const FORM: &str = "six or seven numbers, PX,PY,PZ,TX,TY,TZ[,FOV]";
-/// Vertical field of view of cameras without one of their own, degrees.
+/// Vertical field of view of cameras that have none, degrees.
 pub const DEFAULT_FOV_DEG: f32 = 45.0;
 
 /// A camera as the command line names it.
@@ -67,7 +67,7 @@ pub fn camera(text: &str) -> Result<CameraChoice, Refused> {
         return Ok(CameraChoice::Name(text.to_owned()));
     }
     let numbers = some(text, FORM)?;
-    // Places on a map need f64.
+    // Map coordinates need f64.
     let exact: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
     let (Some(&[px, py, pz, tx, ty, tz]), Some(rest)) = (exact.first_chunk(), numbers.get(6..))
     else {
@@ -93,11 +93,11 @@ pub fn camera(text: &str) -> Result<CameraChoice, Refused> {
     Ok(CameraChoice::LookAt { position, target, vertical_fov_rad: fov_deg.to_radians() })
 }
 
-/// The chosen camera. Without a choice it is the scene's first, or, if it has none, the view that
-/// shows it best in a picture of this aspect (width over height).
+/// The chosen camera. Without a choice it is the scene's first or, if there is none, the best view
+/// for a picture of this aspect (width over height).
 ///
 /// # Errors
-/// When the scene has no such camera; the message lists those that it has.
+/// When the scene has no such camera; the message lists its cameras.
 pub fn resolve(
     choice: Option<&CameraChoice>,
     scene: &Scene,
@@ -106,8 +106,7 @@ pub fn resolve(
     resolve_with(choice, scene, aspect, &OnceCell::new())
 }
 
-/// As [`resolve`], with a cell for the scene's survey, which is made here if it is needed and
-/// missing.
+/// As [`resolve`], with a cell for the scene's survey, which is filled if needed.
 ///
 /// # Errors
 /// As [`resolve`].

@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use lumivox_scene::{Staging, UpAxis};
 
-/// A parser for the names of `values`, with a line of help for each, which returns the value.
+/// A parser of names that returns their `values`, with a line of help for each.
 pub fn among<T: Copy + Send + Sync + 'static>(
     values: &'static [T],
     name_and_help: fn(T) -> (&'static str, &'static str),

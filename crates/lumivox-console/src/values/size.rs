@@ -4,8 +4,7 @@ use glam::UVec2;
 
 use super::Refused;
 
-/// The longest edge of a 2D texture on any GPU today, in pixels. The GPU in use may allow less,
-/// which is known once it is open.
+/// The longest edge of a 2D texture on any GPU today, in pixels. The GPU in use may allow less.
 pub const LONGEST_EDGE: u32 = 32_768;
 
 /// `WIDTHxHEIGHT` in pixels.

@@ -1,8 +1,7 @@
 //! The settings and presets of `lumivox-classics` and `lumivox-vxct`. Nothing else in this crate
 //! depends on them.
 //!
-//! Each is a hook of the library or of the renderer, and settings name it. `None` is Lumivox's own
-//! way.
+//! Each value is a hook of the library or the renderer; `None` is Lumivox's own method.
 
 use std::sync::Arc;
 
@@ -35,8 +34,8 @@ pub(super) const REPORT: PresetChoice = PresetChoice::Added(&AddedPreset {
     },
 });
 
-/// The rows in the order of the table, each with the renderer's row that it comes before. A row
-/// without one ends its group or, if the table does not have that group, the table.
+/// The rows in the table's order, each with the renderer's row that it precedes. A row without one
+/// ends its group or, if the table does not have that group, the table.
 pub(super) fn rows() -> Vec<(Parameter, Option<&'static str>)> {
     let mut rows = vec![
         (Parameter::own(Group::Volume, OCTREE_BUILDER), Some("cascades")),
@@ -128,7 +127,7 @@ fn injection(name: &str) -> Option<Arc<dyn Injection>> {
     (name == photons::NAME).then(photons)
 }
 
-/// A departure of the cones from the physics.
+/// A non-physical setting of the cones.
 fn of_report(row: Setting<ReportCones>) -> Parameter {
     let get = |s: &RenderSettings| ReportCones::of(s.cone_model.as_deref());
     Parameter::of_part(Group::Cones, row, get, |s, cones| s.cone_model = cones.model())

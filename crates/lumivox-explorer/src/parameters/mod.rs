@@ -1,8 +1,8 @@
 //! The one table of settings, and the presets.
 //!
-//! The renderer has its own settings and presets; crates that use its hooks and the library's have
-//! more. This module makes them one table, which all front ends read. The feature `classics`
-//! decides whether the renderers from the literature are included (`classics.rs`).
+//! The renderer has settings and presets; crates that use its hooks and the library's have more.
+//! This module makes them one table, which all front ends read. The feature `classics` decides
+//! whether the renderers from the literature are included (`classics.rs`).
 
 #[cfg(feature = "classics")]
 mod classics;

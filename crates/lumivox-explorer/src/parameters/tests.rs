@@ -57,7 +57,7 @@ fn presets_are_found_by_their_names() {
     assert_eq!(angle.default(PresetChoice::default()), Value::Number(0.55));
 }
 
-/// Whatever the settings were, the preset decides what is its own.
+/// A preset's settings do not depend on earlier ones.
 #[test]
 fn presets_do_not_depend_on_earlier_settings() {
     let scene = lumivox_scene::builtin::scene("cornell").unwrap();

@@ -1,5 +1,5 @@
-//! The classics among other settings: pictures do not depend on what was there before, nor on the
-//! order of threads.
+//! The classics among other settings: pictures do not depend on earlier settings or on the order of
+//! threads.
 
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 
@@ -20,7 +20,7 @@ fn small() -> RenderSettings {
     }
 }
 
-/// Takes a setting as a user names it.
+/// Sets a setting by its name.
 fn take(settings: &mut RenderSettings, name: &str, value: &str) {
     let row = find_parameter(name).expect("a setting");
     row.set(settings, row.parse(value).expect("a value")).expect("in range");
@@ -63,7 +63,7 @@ fn settings_may_change_in_any_order() {
         assert!(seen != before, "{name} {value} changed nothing");
         before = seen;
     }
-    // The physics again.
+    // Back to the physical settings.
     for (name, value) in [
         ("level_gain", "1"),
         ("jitter", "on"),
@@ -125,8 +125,7 @@ fn choosing_a_dense_volume_removes_the_octree_builder() {
     assert!(settings.octree_builder.is_none());
 }
 
-/// Settings that link other shaders are all chosen twice; the second time there is nothing to
-/// compile.
+/// Settings that link other shaders are all chosen twice; the second time nothing is compiled.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn repeating_settings_compiles_no_new_pipelines() {
@@ -150,7 +149,7 @@ fn repeating_settings_compiles_no_new_pipelines() {
     assert_eq!(go_round(), first);
 }
 
-/// The renderer's own account is the truth.
+/// The estimate is compared with the renderer's memory.
 #[test]
 fn the_memory_of_photons_is_estimated() {
     let scene = builtin("two-rooms");
@@ -169,6 +168,6 @@ fn the_memory_of_photons_is_estimated() {
         .filter(|part| ["voxels", "light"].iter().any(|prefix| part.name.starts_with(prefix)));
     let truth: f64 = of_list.map(|part| part.bytes as f64).sum();
     assert!(estimated > without);
-    // Surfaces that share a voxel.
+    // Surfaces that share a voxel limit the accuracy.
     assert!((estimated / truth - 1.0).abs() < 0.4, "{estimated} is not {truth}");
 }

@@ -1,9 +1,8 @@
 //! Photons from the shadow maps against the direct evaluation, in whole scenes: a lamp in the
 //! Cornell box, the sun in the atrium, a spot light.
 //!
-//! They differ where a face is partly in shadow: photons are true to the texel; the direct
-//! evaluation samples the middle of the face, moved out of its own shadow. So it lets through a
-//! little more.
+//! They differ where a face is partly in shadow: photons resolve each texel; the direct evaluation
+//! samples the face's middle, moved out of its own shadow, and gets slightly more light.
 
 use glam::{UVec2, Vec3};
 use lumivox::gpu::read_buffer;

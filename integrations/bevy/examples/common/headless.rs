@@ -67,7 +67,7 @@ pub fn target(app: &mut App, size: UVec2) -> (Handle<Image>, RenderTarget) {
 /// Runs frames until global illumination is ready.
 ///
 /// # Panics
-/// When it fails, or is not ready after many frames.
+/// If it fails or takes too many frames.
 pub fn wait_until_ready(app: &mut App) {
     let mut cursor = app.world().resource::<Messages<LumivoxEvent>>().get_cursor();
     for _ in 0..400 {
@@ -79,17 +79,17 @@ pub fn wait_until_ready(app: &mut App) {
                 other => println!("{other:?}"),
             }
         }
-        // Nothing limits frames without a window: a slow GPU would fall ever farther behind.
+        // Without a window nothing limits the frame rate: a slow GPU would fall behind.
         wait_for_gpu(app);
         std::thread::sleep(std::time::Duration::from_millis(2));
     }
     panic!("no global illumination after 400 frames");
 }
 
-/// The picture in an image on the GPU, as the last frame has left it.
+/// Reads an image back from the GPU after the last frame.
 ///
 /// # Panics
-/// When it is not there, or the device refuses.
+/// If it is not on the GPU or the read-back fails.
 pub fn shot(app: &App, image: &Handle<Image>) -> Shot {
     let world = app.sub_app(RenderApp).world();
     let images = world.resource::<RenderAssets<GpuImage>>();
@@ -133,7 +133,7 @@ pub fn mean_shot(app: &mut App, image: &Handle<Image>, frames: u32) -> Shot {
     mean_of(app, image, frames, |_| ())
 }
 
-/// The mean of the pictures of some frames, each after a change.
+/// The mean picture of some frames, with a change before each.
 pub fn mean_of(
     app: &mut App,
     image: &Handle<Image>,
@@ -155,7 +155,7 @@ pub fn mean_of(
     mean
 }
 
-/// Waits until the GPU is done with all frames so far.
+/// Waits until the GPU has finished all frames.
 pub fn wait_for_gpu(app: &App) {
     let world = app.sub_app(RenderApp).world();
     let device = world.resource::<RenderDevice>().wgpu_device();
@@ -168,7 +168,7 @@ impl Shot {
         self.rgb.iter().map(|rgb| luminance(*rgb)).sum::<f32>() / self.rgb.len() as f32
     }
 
-    /// Saves it as a PNG, brightened by a factor.
+    /// Saves the picture as a PNG, multiplied by `factor`.
     ///
     /// # Panics
     /// When the file cannot be written.

@@ -11,7 +11,7 @@ use bevy::prelude::*;
 #[derive(Resource, Default)]
 pub struct Clock(pub f32);
 
-/// Bevy's default tone mapping needs a feature for its table.
+/// Replaces Bevy's default tone mapping, whose table needs a feature.
 fn tone_map(added: On<Add<Camera3d>>, mut commands: Commands) {
     commands.entity(added.entity).insert(Tonemapping::AcesFitted);
 }

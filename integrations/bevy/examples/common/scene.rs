@@ -19,7 +19,7 @@ pub struct Spawned {
 /// A built-in scene.
 ///
 /// # Panics
-/// When there is none of that name.
+/// If no scene has this name.
 pub fn builtin(name: &str) -> Scene {
     lumivox::builtin::scene(name).expect("a built-in scene")
 }
@@ -62,7 +62,7 @@ pub fn spawn(world: &mut World, scene: &Scene) -> Spawned {
     Spawned { instances, lights }
 }
 
-/// The scene's first camera: its place and its lens.
+/// The transform and projection of the scene's first camera.
 pub fn camera(scene: &Scene) -> (Transform, Projection) {
     let given = &scene.cameras[0];
     let perspective = PerspectiveProjection {

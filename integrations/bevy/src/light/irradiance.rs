@@ -204,7 +204,7 @@ pub(crate) fn choose_volumes(
         let is_there = key.is_some_and(|key| own.iter().any(|own| own.offer.key == key));
         visible.get_mut(class).retain(|entity| match own.get(*entity) {
             Ok(own) => Some(own.offer.key) == key,
-            // Walls do not block the light of the app's own volumes.
+            // Hide the app's own volumes: walls do not block their light.
             Err(_) => !(is_there && all.contains(*entity)),
         });
     }
@@ -238,7 +238,7 @@ pub(crate) struct Forward<'w> {
 }
 
 impl Forward<'_> {
-    /// Whether a view draws anything forward.
+    /// Whether the view draws anything forward.
     pub(crate) fn is_in(&self, view: &ExtractedView) -> bool {
         let key = &view.retained_view_entity;
         self.opaque.get(key).is_some_and(|phase| !phase.is_empty())

@@ -139,8 +139,7 @@ impl SceneLights {
         if !visibility.get() || !strength.is_finite() || strength.max_element() <= 0.0 {
             return;
         }
-        // A light without shadow maps passes through walls on screen, so it does in the voxels,
-        // too.
+        // Without shadow maps a light passes through walls on screen, so also in voxels.
         let shadow = if has_shadows { Shadow::Cone } else { Shadow::None };
         self.lights.push(SceneLight { light: Light { source, shadow }, entity });
     }

@@ -19,7 +19,7 @@ const VOXELS_A_CELL: [u32; 2] = [4, 2];
 const PROBE_SIDES: u32 = 6;
 /// Frames that a probe gathers per turn.
 const FRAMES_A_TURN: u32 = 2;
-/// The frame's budget of voxel faces, divided by this, is the number of probes that gather.
+/// One probe gathers per this many voxel faces of the frame's budget.
 const FACES_A_PROBE: u32 = 16;
 /// Frames that probes are kept after the last forward draw.
 const FRAMES_TO_KEEP: u32 = 120;

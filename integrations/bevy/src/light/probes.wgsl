@@ -38,7 +38,7 @@ struct Probe {
     // Irradiance in rgb. a is 0 if the first surface seen is a back face, which makes the light
     // invalid, and 1 otherwise.
     light: array<vec4f, 6>,
-    // Turns in which the probe has gathered.
+    // Number of turns in which the probe has gathered.
     turns: u32,
     padding_0: u32,
     padding_1: u32,
@@ -80,7 +80,7 @@ fn sees_back(start: vec3f, side: u32) -> bool {
     return trace_ray(ray, &passed).face == BLACK;
 }
 
-// Sets the points that gather in this turn.
+// Writes the points that gather in this turn, and marks the sides that see backs.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn place(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -175,10 +175,10 @@ fn show(cell: vec3u, light: array<vec4f, 6>) {
     }
 }
 
-// How far to search for valid light around a probe without any, in cells.
+// Search radius for valid light around a probe without any, in cells.
 const REACH: i32 = 2;
 
-// The light of a direction in a cell or, if it is invalid there, around it.
+// The light of a cell from one direction; if invalid, of cells around it.
 fn light_around(cell: vec3i, side: u32) -> vec3f {
     let most = vec3i(settings.cells) - 1;
     var sum = vec4f(0.0);

@@ -5,11 +5,11 @@ import package::light::lights::{is_parallel, Light};
 
 struct ShadowLayer {
     clip_from_world: mat4x4f,
-    // The layer of its texture.
+    // Layer in the texture.
     layer: u32,
     // Edge of a texel: per metre of distance, or in metres for suns.
     texel_size: f32,
-    // The number of a sun's cascades, in the layer of its first one.
+    // In a sun's first layer: the number of its cascades.
     cascades: u32,
     padding: u32,
 }

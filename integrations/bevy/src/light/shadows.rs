@@ -109,7 +109,7 @@ impl ShadowMaps {
         Self { textures: None, layers: Vec::new(), buffer, bound }
     }
 
-    /// Binds Bevy's maps of a frame and a camera, and sets which lights have one.
+    /// Binds Bevy's maps for a camera, and sets each light's kind of shadow.
     pub(crate) fn follow(
         &mut self,
         (device, queue): (&wgpu::Device, &wgpu::Queue),

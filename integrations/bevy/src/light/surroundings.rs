@@ -84,13 +84,13 @@ impl Surroundings {
         Ok(Some((*image.texture_view).clone()))
     }
 
-    /// Settings for reading the map, in a unit of radiance in which 1 cd/m² is `share`.
+    /// Settings for reading the map; `share` is 1 cd/m² in the unit of radiance.
     pub(crate) fn cube_use(&self, share: f32, added: Vec3) -> CubeUse {
         CubeUse { cube_from_world: self.cube_from_world, factor: self.intensity * share, added }
     }
 
-    /// Whether to copy the map again, this many frames after it was first copied: Bevy filters a
-    /// map only once its pipelines are compiled, and sends no event then.
+    /// Whether to copy the map again, `frames` after the first copy: Bevy filters a map only once
+    /// its pipelines are compiled, and sends no event then.
     pub(crate) fn is_due(&self, frames: u32) -> bool {
         let is_new = frames < FRAMES_OF_GENERATED && frames.is_power_of_two();
         self.is_generated && (is_new || frames % FRAMES_OF_GENERATED == 0)
@@ -172,7 +172,7 @@ mod tests {
 
     use super::*;
 
-    /// Air whose density falls in proportion to height has half of its depth in half of its way.
+    /// Air whose density falls linearly to zero has half the optical depth of uniform air.
     #[test]
     fn the_atmosphere_attenuates_sunlight() {
         let term = ScatteringTerm {
@@ -191,8 +191,7 @@ mod tests {
         // 100 km of air.
         let expected = (-Vec3::new(1e-5, 1e-5, 0.0) * 50e3).exp();
         assert!((up - expected).abs().max_element() < 2e-3, "{up}, not {expected}");
-        // At 60 degrees from above the path is nearly twice as long, and near the horizon far
-        // longer.
+        // At 60 degrees from the zenith the path is nearly twice as long.
         let aslant = left(Vec3::new(3.0_f32.sqrt(), 1.0, 0.0));
         assert!((aslant.x / expected.x.powi(2) - 1.0).abs() < 0.03, "{aslant}");
         assert!(left(Vec3::new(1.0, 0.01, 0.0)).x < 0.05);

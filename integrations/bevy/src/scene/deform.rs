@@ -35,7 +35,7 @@ pub(crate) struct Deformation {
 }
 
 impl Deformation {
-    /// Vertices of a slab, without joints and morph targets. Stride and position are in 32-bit
+    /// Vertices of a slab, without joints or morph targets. Stride and position are in 32-bit
     /// words.
     pub(crate) fn new(vertex_count: u32, first_vertex: u32, stride: u32, position: u32) -> Self {
         Self {

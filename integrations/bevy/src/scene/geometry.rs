@@ -113,8 +113,8 @@ impl SceneGeometry {
                 self.move_draw(slot, instances);
             }
         }
-        // A new material may equal the default that its slot was filled with; and `clear` drops all
-        // materials.
+        // Compares lengths, too: a new material may equal its slot's default, and `clear` drops
+        // all.
         let is_short = self.geometry.materials.len() != table.materials().len();
         if table.take_changed() || is_short {
             self.geometry.materials.clone_from(table.materials());

@@ -41,8 +41,8 @@ pub(crate) struct ChangedImages {
 }
 
 impl ChangedImages {
-    /// The modified images if they are to be read again in this frame. Bevy uploads an image at
-    /// once or some frames later, so they are read again both times.
+    /// The modified images if they are due. They are read twice, since Bevy uploads an image at
+    /// once or some frames later.
     pub(crate) fn due(&self) -> Option<&HashSet<AssetId<Image>>> {
         self.is_due.then_some(&self.modified)
     }
@@ -83,7 +83,7 @@ pub(crate) fn update_scene(
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
     (reports, offers): (Res<Reports>, Res<Offers>),
 ) {
-    // Without a camera no change is applied, and none is lost.
+    // Without a camera, changes wait.
     if views.views.is_empty() {
         instances.skip();
         volumes.follow(&[], &instances, (&device, &queue), &reports);

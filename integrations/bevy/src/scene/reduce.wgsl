@@ -1,11 +1,11 @@
-// A smaller picture whose texels are means of the larger one's.
+// Writes a smaller picture whose texels are means of the source's.
 
 struct Reduction {
     source_size: vec2u,
     size: vec2u,
-    // Alpha becomes 1 at or above it, and 0 below; if it is negative, alpha is unchanged.
+    // Alpha becomes 1 at or above the cutoff, 0 below; if negative, alpha is unchanged.
     cutoff: f32,
-    // The most texels along an edge that are read for one.
+    // Maximum source texels along an edge, per texel.
     max_footprint: u32,
     padding: vec2u,
 }

@@ -84,7 +84,7 @@ impl SurfaceTable {
         self.are_there.get(number as usize).copied().unwrap_or_default()
     }
 
-    /// Whether it has textures, loaded or not.
+    /// Whether the material has textures, loaded or not.
     pub(crate) fn is_textured(&self, number: u32) -> bool {
         self.are_textured.get(number as usize).copied().unwrap_or_default()
     }
@@ -135,7 +135,7 @@ impl SurfaceTable {
                     surface.base_color_texture.is_some() || surface.emissive_texture.is_some(),
                 ),
                 None => {
-                    // Draws are rebuilt, and none will have this number.
+                    // The rebuilt draws no longer use this number.
                     restructures = true;
                     self.numbers.remove(number as u32);
                     (SurfaceMaterial::default(), false, false)
@@ -180,7 +180,7 @@ impl SurfaceTable {
             texture(&surface.base_color_texture, TextureUse::Color { cutoff });
         let emission_texture = texture(&surface.emissive_texture, TextureUse::Emission);
         let weight = surface.emissive_exposure_weight.clamp(0.0, 1.0);
-        // As Bevy's shader, whose result is luminance times exposure.
+        // As in Bevy's shader, divided by the exposure.
         let luminance = (1.0 - weight) / sources.exposure + weight;
         let emission = surface.emissive.to_vec3().max(Vec3::ZERO) * luminance / sources.unit;
         let color = surface.base_color.to_vec3().clamp(Vec3::ZERO, Vec3::ONE);

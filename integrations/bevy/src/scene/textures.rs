@@ -110,7 +110,7 @@ impl Prepared<'_> {
             copy.used = round;
             return Some((copy.view.clone(), sampler));
         }
-        // A new view, so that an image that was redrawn into the same texture differs from before.
+        // A new view, so that an image redrawn into the same texture counts as changed.
         if cutoff.is_none() && has_mips && is_filterable {
             let texture: &wgpu::Texture = texture;
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -182,7 +182,7 @@ impl Prepared<'_> {
             let reduction = Reduction {
                 source_size: from.1,
                 size,
-                // Only the image's own alpha is compared.
+                // Only the first level compares alpha.
                 cutoff: cutoff.filter(|_| level == 0).unwrap_or(-1.0),
                 max_footprint: MAX_FOOTPRINT,
                 padding: [0; 2],

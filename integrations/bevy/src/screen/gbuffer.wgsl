@@ -67,7 +67,7 @@ fn step_along(pixel: vec2u, axis: u32, depth: f32, position: vec3f) -> vec3f {
     return position_from_depth(behind, max(depth_behind, 1e-7)) - position;
 }
 
-// Below this cosine to the shading normal, the normal from depths belongs to an edge.
+// Least cosine between the shading normal and the normal from depths; below it is an edge.
 const LEAST_AGREEMENT: f32 = 0.3;
 
 // The surface normal without normal map, from the depths around the pixel, towards the camera.
@@ -107,7 +107,7 @@ fn load_specular(pixel: vec2u) -> Specular {
     return Specular(reflectance, base.a, properties.coat, properties.coat_roughness);
 }
 
-// Diffuse albedo in rgb; in a the share that the material's own occlusion map leaves.
+// Diffuse albedo in rgb, the material's own occlusion in a.
 fn load_albedo(pixel: vec2u) -> vec4f {
     let words = load_words(pixel);
     let properties = decode_properties(words.z);

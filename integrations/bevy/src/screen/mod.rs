@@ -25,7 +25,7 @@ use crate::volumes::{VolumeKey, Volumes};
 #[derive(Component)]
 pub(crate) struct Screen {
     key: VolumeKey,
-    /// Number of the voxels that it was made for.
+    /// `Voxels::number` that this was made for.
     number: u64,
     view: GiView,
     compose: ComposeView,
@@ -180,7 +180,7 @@ impl Screen {
         }
     }
 
-    /// Sets the camera and the textures of the next frame, of the same size and settings.
+    /// Sets the next frame's camera and textures; size and settings are unchanged.
     fn set_frame(
         &mut self,
         voxels: &Voxels,

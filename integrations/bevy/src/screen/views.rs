@@ -112,8 +112,7 @@ pub(crate) fn extract_views(
     volumes.follow_exposure(&gi_views.views);
 }
 
-/// Disables Bevy's ambient light in views whose voxels are ready: the cones gather what reaches a
-/// surface of it.
+/// Disables Bevy's ambient light in views whose voxels are ready: the cones gather it instead.
 pub(crate) fn take_ambient_over(
     mut commands: Commands,
     gi_views: Res<GiViews>,

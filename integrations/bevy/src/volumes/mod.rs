@@ -68,10 +68,10 @@ struct Held {
     shown: Option<Box<Voxels>>,
     coming: Option<Box<Voxels>>,
     making: Option<(Task<Result<Made, GiError>>, Option<[Vec3; 2]>)>,
-    /// Bounds of the attempt that failed, so that it is not repeated every frame.
+    /// Bounds of the failed attempt, so that it is not repeated every frame.
     failed: Option<Option<[Vec3; 2]>>,
     unused: u32,
-    /// Whether it was recorded in this frame.
+    /// Whether the volume was recorded in this frame.
     is_recorded: bool,
     /// Shadow maps of the first of its cameras: each camera has its own cascades of a sun.
     shadow_maps: ShadowMaps,
@@ -102,7 +102,7 @@ impl Volumes {
         self.held.iter_mut().find(|held| held.key == *key)?.shown.as_deref_mut()
     }
 
-    /// Offers the light of all shown voxels in use to forward draws.
+    /// Light for forward draws, from all shown voxels in use.
     pub(crate) fn offers(&self) -> impl Iterator<Item = Offer> {
         let unit = self.unit();
         let in_use = self.held.iter().filter(|held| held.unused <= FRAMES_TO_TRUST);
@@ -175,8 +175,7 @@ impl Volumes {
             for held in self.held.iter_mut().filter(is_of_view) {
                 let unused = std::mem::take(&mut held.unused);
                 if unused == 0 {
-                    // Another camera shares the volume, and it was updated for that one in this
-                    // frame.
+                    // It was already updated in this frame for another camera that shares it.
                     continue;
                 }
                 if unused > FRAMES_TO_TRUST && held.key != view.key {

@@ -69,7 +69,7 @@ pub(crate) struct Made {
 
 /// The inputs of a frame.
 pub(crate) struct Frame<'a> {
-    /// The settings of the first camera that shares these voxels, but with the voxels' own volume.
+    /// Settings of the first camera that shares these voxels, with the voxels' own volume.
     pub(crate) gi: LumivoxGi,
     /// That camera's position, which cascades are centred on.
     pub(crate) position: Vec3,

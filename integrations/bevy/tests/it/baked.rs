@@ -13,7 +13,7 @@ use crate::common::scene;
 use crate::stage::Stage;
 use crate::truth;
 
-/// The volume over a scene, as a file, and its grid.
+/// A scene's baked volume, as a file, and its grid.
 fn baked(gpu: &Gpu, given: &Scene) -> (Vec<u8>, ProbeGrid) {
     let bounds = given.bounds();
     let grid = ProbeGrid::over(bounds.min - 1e-3, bounds.max + 1e-3, 0.2);
@@ -33,7 +33,7 @@ fn baked(gpu: &Gpu, given: &Scene) -> (Vec<u8>, ProbeGrid) {
     (volume.to_ktx2().0, grid)
 }
 
-/// In a stage without global illumination.
+/// The stage has no global illumination.
 pub fn a_baked_volume_lights_the_cornell_box_of_bevy(stage: &mut Stage) {
     let given = scene::builtin("cornell");
     let gpu = pollster::block_on(Gpu::new(&GpuOptions::default())).expect("a device");

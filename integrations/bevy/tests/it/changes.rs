@@ -13,7 +13,7 @@ use crate::common::headless::{self, Shot};
 use crate::common::scene;
 use crate::stage::{Stage, alone, difference, quick, without_lamp};
 
-/// The means of squares of 4x4 pixels, in which smooth and hard edges look alike.
+/// The means of 4x4 pixels, in which smooth and hard edges look alike.
 fn coarse(shot: &Shot) -> Shot {
     let size = shot.size / 4;
     let mut rgb = vec![Vec3::ZERO; size.element_product() as usize];
@@ -24,8 +24,8 @@ fn coarse(shot: &Shot) -> Shot {
     Shot { size, rgb }
 }
 
-/// A block that has moved looks as if it had always been there. TAA, which jitters cameras, only
-/// smooths edges: positions from depth match it, and a block that moves under it leaves no trace.
+/// A moved block looks as if it had always been there. TAA, which jitters cameras, only smooths
+/// edges: positions from depth match the jitter, and a moving block leaves no trace.
 #[test]
 fn a_moved_block_leaves_no_trace_with_or_without_taa() {
     let _alone = alone();

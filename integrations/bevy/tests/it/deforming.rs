@@ -1,5 +1,5 @@
-//! Skinned and morphed meshes light as if their vertices were where they are drawn, and vertex
-//! colours as a material's.
+//! Skinned and morphed meshes light from where they are drawn; vertex colours act like a
+//! material's.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::light::NotShadowCaster;

@@ -63,9 +63,8 @@ fn forward_and_blended_surfaces_match_deferred_light() {
     a_panel_may_be_blended(&mut stage);
 }
 
-/// A speck of glass needs probes, whose light must not be added to that of deferred surfaces. The
-/// app's own volume, which nothing occludes, must light neither these nor the glass. Returns the
-/// picture with direct light only.
+/// A speck of glass needs probes, whose light must not be added to deferred surfaces. The app's own
+/// volume, which nothing occludes, must light neither. Returns the picture with direct light only.
 fn nothing_is_lit_twice(stage: &mut Stage, without: &Shot) -> Shot {
     let mesh = Mesh3d(stage.add(Mesh::from(Sphere::new(0.02))));
     let glass = MeshMaterial3d(stage.add(StandardMaterial {
@@ -76,7 +75,7 @@ fn nothing_is_lit_twice(stage: &mut Stage, without: &Shot) -> Shot {
     let place = Transform::from_xyz(0.0, 1.0, 0.0);
     let speck_of_glass = stage.app.world_mut().spawn((mesh, glass, place)).id();
     let speck = stage.settled();
-    // Nor while Bevy's pipelines change back after the speck is hidden.
+    // Also while Bevy's pipelines change back after the speck is hidden.
     stage.app.world_mut().entity_mut(speck_of_glass).insert(Visibility::Hidden);
     let brightest = (0..12).map(|_| stage.next().mean_luminance()).fold(0.0, f32::max);
     println!("brightest frame after the speck has gone: {}", brightest / without.mean_luminance());

@@ -27,7 +27,7 @@ pub fn alone() -> MutexGuard<'static, ()> {
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Small, quick and deterministic.
+/// Quick, deterministic settings.
 pub fn quick() -> LumivoxGi {
     LumivoxGi {
         quality: GiQuality::Realtime,
@@ -42,12 +42,12 @@ impl Stage {
         Self::with(LumivoxPlugin::default(), None, given, size)
     }
 
-    /// On a device with at most these limits.
+    /// A stage on a device with at most these limits.
     pub fn on(limits: Option<WgpuLimits>, given: &Scene, size: UVec2) -> Self {
         Self::with(LumivoxPlugin::default(), limits, given, size)
     }
 
-    /// Everything is drawn forward.
+    /// A stage drawn forward.
     pub fn forward(given: &Scene, size: UVec2) -> Self {
         Self::with(LumivoxPlugin::forward(), None, given, size)
     }
@@ -182,7 +182,7 @@ pub fn difference(one: &headless::Shot, other: &headless::Shot) -> f32 {
     (squares / one.rgb.len() as f32).sqrt() / other.mean_luminance()
 }
 
-/// Clamps what is far brighter than the rest, the lamp: its edges depend on the samples.
+/// Clamps the lamp, the only very bright thing: its edges depend on the samples.
 pub fn without_lamp(shot: &headless::Shot) -> headless::Shot {
     let rgb = shot.rgb.iter().map(|rgb| rgb.min(Vec3::splat(0.3))).collect();
     headless::Shot { size: shot.size, rgb }

@@ -1,4 +1,4 @@
-//! Global illumination through Bevy against Lumivox's own renderer, both against the path tracer.
+//! Compares global illumination through Bevy, and by Lumivox's own renderer, with the path tracer.
 //!
 //! Only indirect light is compared: the picture with global illumination minus the one without.
 //! Direct light is Bevy's own (whose diffuse BRDF is Burley's, not Lambert's).

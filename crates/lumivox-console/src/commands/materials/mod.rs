@@ -98,7 +98,7 @@ fn material(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> 
     if let Some(original) = opened.and_then(|opened| opened.original().materials.get(number)) {
         bring_textures_back(&mut changed, original);
     }
-    // Strengths that no longer fit the surface would leave it unchanged in VXCT's look.
+    // VXCT's look uses strengths if there are any, so strengths of the old surface are removed.
     let is_other = changed.shading != material.shading || changed.emissive != material.emissive;
     if is_other && changed.strengths == material.strengths {
         changed.strengths = None;

@@ -12,7 +12,7 @@ use crate::{Console, Failure, Reply, nothing_to_show};
 
 const PROPERTIES: [&str; 5] = ["shininess", "specular_str", "diffuse_str", "ambient_str", "color"];
 
-/// The range of values. VXCT has no limits; this range keeps sums finite.
+/// The range of values. VXCT has no limits; this one keeps sums finite.
 const ANY: std::ops::RangeInclusive<f32> = -1e12..=1e12;
 
 /// The command.
