@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 #
-# scripts/archive.sh: packs the program for the machine that it is run on, and the page as a folder
-# for any host. .github/workflows/release.yml runs it on Linux, macOS and Windows.
+# scripts/archive.sh: packs the program for this machine, and the page as a folder for any host.
+# .github/workflows/release.yml runs it on Linux, macOS and Windows.
 
 set -euo pipefail
 

@@ -1,6 +1,6 @@
 # shellcheck shell=bash
 #
-# Lumivox for Bevy: a workspace of its own, with a newer Rust. Sourced by ./test after setup.sh.
+# Lumivox for Bevy: its own workspace, with a newer Rust. Sourced by ./test after setup.sh.
 
 : "${root:?set root to the repository root before sourcing bevy.sh}"
 
@@ -25,9 +25,9 @@ need_bevy_rust() {
         die "rustup could not install Rust $wanted."
 }
 
-# Prints the names of its test modules, one line for each process. Mesa 22.3's software driver keeps
-# 3.4 MB of each of Bevy's frames until its process ends: of 1400 frames each, 5 GB. Tests that
-# compare with the same pictures are in one process.
+# Prints the names of its test modules, one line per process. Mesa 22.3's software driver leaks 3.4
+# MB per frame of Bevy: 5 GB for the 1400 frames of a process. Tests that compare with the same
+# pictures share a process.
 bevy_test_groups() {
     local file others=()
     for file in $(cd "$root/$bevy_crate/tests/it" && grep -l '#\[test\]' -- *.rs); do

@@ -17,8 +17,8 @@ import os
 import subprocess
 import sys
 
-# Our crates, and which of them each may depend on, whether normally, for building or for tests. A
-# crate that is missing here is refused.
+# Our crates, and those of our crates that each may depend on: normally, for building or for tests.
+# A crate that is missing here is refused.
 MAY_DEPEND_ON = {
     "lumivox-scene": set(),
     "lumivox-wgsl": set(),

@@ -8,7 +8,7 @@
 
 : "${root:?set root to the repository root before sourcing deny.sh}"
 
-# Older versions do not have the options that are used here.
+# Older versions do not have these options.
 deny_version=0.20.2
 
 # Astral's build of that release installs in two seconds; compiling it takes two minutes of
@@ -89,7 +89,7 @@ check_licences() (
     fi
     status=0
     deny Cargo.toml "${checks[@]}" || status=$?
-    # The fuzz targets use only a part of what deny.toml lists.
+    # The fuzz targets use only some entries of deny.toml.
     deny fuzz/Cargo.toml --allow license-not-encountered --allow license-exception-not-encountered \
         --allow unmatched-skip --allow unnecessary-skip "${checks[@]}" || status=$?
     exit "$status"

@@ -25,7 +25,7 @@ DOCUMENTS = ("*.md", "docs/*.md", "docs/generated/*.md", "crates/*/README.md", "
 # The sources that a page measures: light and the scenes, without tests.
 LIGHT = ("crates/lumivox/src", "crates/lumivox-render/src", "crates/lumivox-scene/src/builtin", ":(exclude,glob)**/tests.rs")
 PAGES = {"bench": LIGHT, "quality": (*LIGHT, "lab/lumivox-lab/src/rooms/random"), "motion": LIGHT, "three": (*LIGHT, "crates/lumivox-three"), "gallery": LIGHT}
-# The sources of the program, without what the pages' commands write there.
+# The sources of the program, without files that the pages' commands write.
 SOURCES = ("crates", "lab", "looks", "Cargo.lock", ":(exclude)*/published.json", ":(exclude)*/gallery.html")
 
 # The pages without text written by hand; the others are beside them in docs/.

@@ -4,8 +4,8 @@
 # Python. ./test and scripts/release.sh source it after setup.sh and set_target_dir; ./test checks
 # only the crates.
 #
-# Packed crates are not compiled: their sources have been, and it would take as long again.
-# check_packages.py looks for missing files instead.
+# Packed crates are not compiled: their sources have been compiled before. check_packages.py looks
+# for missing files instead.
 
 : "${root:?set root to the repository root before sourcing packages.sh}"
 

@@ -10,7 +10,7 @@ python_package=crates/lumivox-python
 # Packages that the tests need besides this one.
 python_tools=(numpy==2.* pytest==9.* mypy==2.* trimesh==5.* ray==2.* mitsuba==3.*
     nbclient==0.* nbformat==5.* ipykernel==7.* matplotlib==3.*)
-# It needs VTK, which is larger than all others.
+# PyVista needs VTK, which is larger than all other packages.
 if [[ -n ${LUMIVOX_RELEASE:-} ]]; then python_tools+=(pyvista==0.*); fi
 
 # Python with the module venv, which is a separate package on Debian and Ubuntu.

@@ -4,7 +4,7 @@
 # Sourced, with `root` set to the repository root; runs in bash 3.2 and later.
 #
 # Each `need_*` function returns if the thing is available. If it is missing, the function installs
-# it where that needs no decision of yours (distribution packages on Debian and Ubuntu), saying so
+# it if that needs no decision of yours (distribution packages on Debian and Ubuntu), with a message
 # first; otherwise it stops and says what to do. All of its messages go to stderr.
 #
 # Environment:
@@ -13,7 +13,7 @@
 
 : "${root:?set root to the repository root before sourcing setup.sh}"
 
-# Continue without messages if stderr is closed.
+# If stderr is closed, continue without messages.
 if ! true >&2; then exec 2>/dev/null; fi
 say() { printf '%s\n' "$*" >&2 || true; }
 
@@ -37,7 +37,7 @@ find_root_rights() {
     [[ $(id -u) -eq 0 ]] && return 0
     have sudo || return 1
     as_root=(sudo)
-    # Nobody can type a password without a terminal: then sudo must work without one.
+    # Without a terminal no password can be typed, so sudo must work without one.
     if [[ ! -t 0 ]]; then
         as_root=(sudo -n)
         sudo -n true 2>/dev/null || return 1
@@ -65,7 +65,7 @@ install_debian_packages() {
     say "$what is missing. Installing $*:"
     say "  ${as_root[*]+${as_root[*]} }apt-get update && apt-get install --no-install-recommends $*"
     if [[ -z $package_lists_are_fresh ]]; then
-        # A broken third-party source must not stop what the others can deliver.
+        # A broken third-party source must not stop installation from the others.
         "${apt[@]}" update >&2 </dev/null ||
             say "warning: apt-get update failed; trying to install anyway"
         package_lists_are_fresh=1
@@ -212,7 +212,7 @@ print_progress() {
         first=$done
         tell '%s (crates to build: %s).\n' "$title" "$((total - done))"
     fi
-    # Small crates come first and the largest last: time grows about with the square of the share.
+    # Small crates come first and the largest last: time grows about as the square of the share.
     local share=$((1000 * (done - first) / (total - first + 1)))
     if ((now >= 10 && share >= 100)); then
         left=$((now * 1000000 / (share * share) - now))
@@ -264,7 +264,7 @@ software_manifest() {
             printf '%s\n' "$file"
             return 0
             ;;
-        # Distributions name processors differently: the first is better than none.
+        # Distributions name processors differently: fall back to the first.
         lvp_icd.*.json) [[ -n $found ]] || found=$file ;;
         esac
     done < <(vulkan_manifests)
@@ -304,7 +304,7 @@ can_open_any() {
 have_vulkan_device() {
     local file summary
     have_vulkan_loader || return 1
-    # Prefer the loader's own answer, if its tool is installed.
+    # Prefer the answer of the loader's own tool, if it is installed.
     if have vulkaninfo; then
         summary=$(timeout 30 vulkaninfo --summary 2>/dev/null </dev/null) || true
         [[ $summary == *deviceName* ]]

@@ -16,6 +16,6 @@ name=${1##*/}
 log=$LUMIVOX_TEST_TIMES/$$.libtest
 # Cargo runs tests in the crate's folder.
 printf '# %s %s\n' "${PWD##*/}" "${name%-*}" >"$log"
-# Stable test programs accept --report-time, too, if this variable is set as they run. Cargo does
-# not get it: it would compile dependencies again.
+# Stable test programs accept --report-time, too, if this variable is set as they run. It is not set
+# for Cargo, which would compile dependencies again.
 RUSTC_BOOTSTRAP=1 "$@" --color "$colour" -Z unstable-options --report-time | tee -a "$log"

@@ -26,7 +26,7 @@ find_web_cargo() {
         install_debian_packages "Rust for browsers" rustc-web cargo-web rust-web-src lld-19 || true
     fi
     if [[ -n $(compgen -G '/usr/src/rustc-*/library/std/Cargo.toml') && -x /usr/bin/cargo ]] && have wasm-ld-19; then
-        # Cargo finds the compiler on the PATH, and rustup's would come first.
+        # Cargo finds the compiler on the PATH, where rustup's would come first.
         web_cargo=(env "PATH=/usr/bin:$PATH" RUSTC_BOOTSTRAP=1
             CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld-19 /usr/bin/cargo)
         web_build_std=(-Z "build-std=std,panic_abort")
@@ -93,7 +93,7 @@ make_module() {
 }
 
 # make_inlined PACKAGE: makes the module `lumivox/inlined`, which contains its WebAssembly,
-# compressed; bundlers need not know of it.
+# compressed; it needs no support from bundlers.
 make_inlined() {
     make_module lumivox_web lumivox "$1/inlined" --no-default-path
     {

@@ -3,7 +3,7 @@
 use lumivox_app::Exit;
 use pyo3::prelude::*;
 
-/// An error that Python will raise; it can be made without the global lock.
+/// An error that Python will raise; it can be created without the global lock.
 #[derive(Debug)]
 pub enum Fault {
     /// An error of Lumivox.

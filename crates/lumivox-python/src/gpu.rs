@@ -17,8 +17,7 @@ struct Opened {
 
 static OPENED: Mutex<Vec<Opened>> = Mutex::new(Vec::new());
 
-/// The process's device of an adapter; `None` takes the fastest. A device that was lost is opened
-/// again.
+/// The process's device on an adapter, on the fastest if `None`. A lost device is opened again.
 ///
 /// # Errors
 /// When there is no such adapter, and in a process that was forked after a device was opened.
@@ -61,7 +60,7 @@ pub fn adapters(py: Python<'_>) -> Vec<String> {
     py.detach(|| pollster::block_on(Gpu::adapters()).iter().map(lumivox_render::describe).collect())
 }
 
-/// The description of the device that an adapter's name opens.
+/// The description of an adapter's device.
 #[pyfunction]
 #[pyo3(signature = (adapter=None))]
 pub fn description(py: Python<'_>, adapter: Option<String>) -> PyResult<String> {

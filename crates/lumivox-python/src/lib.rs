@@ -2,11 +2,11 @@
 //! package in `python/lumivox`.
 //!
 //! The package checks arrays and has all types and documentation; this crate does the work. Arrays
-//! come as bytes of 32-bit numbers and leave as `bytearray`s, which numpy views without a copy.
-//! Records (a camera, a light) are dictionaries.
+//! are passed in as bytes of 32-bit numbers and returned as `bytearray`s, which numpy views without
+//! a copy. Records (a camera, a light) are dictionaries.
 //!
-//! Work runs without Python's global lock, under a lock of its object. That lock is only taken
-//! while the global lock is released, so the two cannot deadlock.
+//! Work runs without Python's global lock, under the lock of its object. The object's lock is only
+//! taken while the global lock is released, so the two cannot deadlock.
 //!
 //! | file | is |
 //! | --- | --- |

@@ -16,8 +16,9 @@ use crate::scene::Scene;
 use crate::stage::{CameraArgument, stage};
 use crate::work::{Progress, array, detached, numbers};
 
-/// Traces the light at points with normals, or, with `is_along_rays`, what arrives there from directions. Of each: the
-/// total RGB, the direct RGB, lux or cd/m², its standard error, and the openness.
+/// Traces the light at points with normals or, if `is_along_rays`, the light that arrives from
+/// directions. Returns for each the total RGB, the direct RGB, lux or cd/m², its standard error,
+/// and the openness.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "they are those of the package's functions")]
 pub fn measure<'py>(

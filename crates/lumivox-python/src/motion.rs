@@ -39,12 +39,12 @@ pub fn motion(now: Shot<'_>, before: Shot<'_>, picker: &Picker, size: UVec2) -> 
 struct Parts<'a> {
     now: &'a Scene,
     before: &'a Scene,
-    /// How each instance has moved; empty if it is one scene, or the instances are not the same.
+    /// How each instance has moved; empty if both scenes are one, or their instances differ.
     moves: Vec<Move>,
 }
 
 enum Move {
-    /// It stayed.
+    /// The instance has not moved.
     None,
     /// The transform from the present world to the earlier one.
     Rigid(DMat4),
@@ -124,7 +124,7 @@ impl Eye {
         Self { camera_from_world, half_height: (0.5 * f64::from(camera.vertical_fov_rad)).tan() }
     }
 
-    /// The pixel of a point, or of a direction (whose last component is 0); NaN behind the camera.
+    /// The pixel of a point, or of a direction (last component 0); NaN behind the camera.
     fn project(&self, point: DVec4, size: UVec2) -> DVec2 {
         let seen = self.camera_from_world * point;
         if seen.z >= 0.0 {

@@ -10,8 +10,8 @@ use crate::error::Fault;
 use crate::gpu::open;
 use crate::work::{array, detached, numbers};
 
-/// The pixels for a screen of radiance in cd/m², 8 bits a channel (RGBA), and the bytes of a PNG file of them. Automatic
-/// exposure looks at the pixels that show a surface.
+/// Converts radiance in cd/m² to screen pixels, 8 bits per channel (RGBA), and the bytes of their
+/// PNG file. Automatic exposure uses the pixels that show a surface.
 #[pyfunction]
 pub fn develop<'py>(
     py: Python<'py>,
@@ -44,7 +44,7 @@ pub fn develop<'py>(
     Ok((array(py, &ldr)?, PyBytes::new(py, &png)))
 }
 
-/// The bytes of an `OpenEXR` file of radiance in cd/m².
+/// Encodes radiance in cd/m² as `OpenEXR`.
 #[pyfunction]
 pub fn encode_exr<'py>(
     py: Python<'py>,

@@ -46,7 +46,7 @@ impl From<CameraRecord> for Camera {
     }
 }
 
-/// The vector at unit length. A vector without a direction is not changed; the scene's check
+/// The vector at unit length. A vector without a direction is returned unchanged; the scene's check
 /// refuses it.
 fn unit(vector: [f32; 3]) -> Vec3 {
     let vector = Vec3::from(vector);
@@ -90,8 +90,8 @@ pub fn light(record: &LightRecord) -> Result<Light, String> {
     Light::of_record(&record)
 }
 
-/// The numbers of a metallic-roughness material; of other models only the colour. A changed number
-/// of the model replaces other models, but keeps the textures of metallic-roughness.
+/// The numbers of a metallic-roughness material; for other models only the colour. Changing one of
+/// these numbers replaces another model, but keeps the textures of metallic-roughness.
 #[derive(Clone, FromPyObject, IntoPyObject)]
 #[pyo3(from_item_all)]
 pub struct MaterialRecord {
@@ -164,7 +164,7 @@ pub struct InstanceRecord {
     name: String,
     mesh: usize,
     material: usize,
-    /// Rows.
+    /// The matrix, row by row.
     world_from_local: [[f32; 4]; 4],
     hidden: bool,
     voxelized: bool,

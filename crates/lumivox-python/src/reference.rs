@@ -24,13 +24,13 @@ use crate::work::{Progress, array, detached, numbers};
 pub struct Reference {
     layers: ReferenceLayers,
     camera: Option<lumivox_scene::Camera>,
-    /// The bytes of its part, if it is one.
+    /// The encoded part, if this is a part.
     part: Option<Vec<u8>>,
 }
 
 #[pymethods]
 impl Reference {
-    /// Traces all samples; with `is_part` as a part from a batch on.
+    /// Traces all samples, as a part from `first_batch` if `is_part`.
     #[staticmethod]
     #[expect(clippy::too_many_arguments, reason = "they are those of the package's function")]
     fn trace(
@@ -81,11 +81,11 @@ impl Reference {
         })
     }
 
-    /// Adds up the parts that an iterable gives.
+    /// Merges the parts of an iterable.
     #[staticmethod]
     fn merge(py: Python<'_>, parts: &Bound<'_, PyAny>, allow_mixed: bool) -> PyResult<Self> {
         let mut merge = ReferenceMerge::new(allow_mixed);
-        // One at a time: a part may be large, and may come over a network.
+        // Load one part at a time: it may be large, and come over a network.
         for (number, part) in parts.try_iter()?.enumerate() {
             let part = part?;
             let kind = |_| Fault::input(format!("parts[{number}]: must be bytes")).raise(py);
@@ -99,7 +99,7 @@ impl Reference {
         Ok(Self { layers, camera: None, part: None })
     }
 
-    /// The bytes of its part, if it is one.
+    /// The encoded part, if this is a part.
     fn part<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
         self.part.as_ref().map(|bytes| PyBytes::new(py, bytes))
     }
@@ -159,8 +159,8 @@ impl Reference {
     }
 }
 
-/// The figures of a picture against a reference, as `lumivox compare` names them: bias, RMSE, RMSE with the reference's
-/// noise and p95 in percent, FLIP, noise in percent.
+/// The errors of a picture against a reference, as `lumivox compare` names them: bias, RMSE, RMSE
+/// with the reference's noise and p95 in percent, FLIP, noise in percent.
 #[pyfunction]
 #[expect(clippy::type_complexity, reason = "the figures, in their order")]
 pub fn figures(

@@ -38,7 +38,7 @@ pub struct Renderer {
 struct State {
     engine: Engine,
     staged: Staged,
-    /// The places of the scene's parts on the device.
+    /// Places of the scene's parts as the device has them.
     places: Places,
     /// The scene and the camera from which the next picture's `motion` is measured, if any.
     before: Option<(Arc<Model>, Camera)>,
@@ -128,7 +128,8 @@ impl Renderer {
         arrays.collect()
     }
 
-    /// Shows another state of the same scene: other lights, materials, places of instances. The triangles stay.
+    /// Shows another state of the same scene: lights, materials and places of instances change,
+    /// triangles stay.
     fn update(&self, py: Python<'_>, scene: &Scene, progress: Option<Py<PyAny>>) -> PyResult<()> {
         let mut progress = Progress::new(progress);
         detached(py, || {
@@ -166,7 +167,8 @@ impl Renderer {
         })
     }
 
-    /// Lets the next picture tell its motion since one from this camera of the present scene, or none.
+    /// Makes the next picture's `motion` relative to this camera and the present scene, or zero
+    /// without a camera.
     fn start_motion(&self, py: Python<'_>, camera: Option<CameraArgument>) -> PyResult<()> {
         detached(py, || {
             let mut state = lock(&self.state);
@@ -176,7 +178,8 @@ impl Renderer {
         })
     }
 
-    /// The irradiance in lux at points, for each the direct and the indirect, RGB, and the open share of the hemisphere.
+    /// For each point the direct and the indirect irradiance in lux, RGB, and the open share of the
+    /// hemisphere.
     fn irradiance<'py>(
         &self,
         py: Python<'py>,
@@ -209,7 +212,7 @@ impl Renderer {
         array(py, &flat)
     }
 
-    /// The faces of the voxels, by the names of the package.
+    /// The faces of the voxels as arrays, with the package's names.
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Arrays<'py>> {
         let faces = detached(py, || {
             check_process(self.process)?;
@@ -247,7 +250,7 @@ impl Renderer {
         self.read(py, |state| texts(state.engine.settings()))
     }
 
-    /// Sentences on what was chosen: camera and light.
+    /// Sentences on the chosen camera and light.
     #[getter]
     fn notes(&self, py: Python<'_>) -> Vec<String> {
         self.read(py, |state| state.staged.notes.clone())
@@ -332,7 +335,7 @@ impl State {
         size.x / size.y
     }
 
-    /// The camera that an argument names.
+    /// Finds the camera that an argument names.
     fn resolve(&self, argument: CameraArgument) -> Result<Camera, Fault> {
         camera(argument, &self.staged.scene, self.aspect())
     }

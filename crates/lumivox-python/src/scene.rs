@@ -43,7 +43,7 @@ impl Scene {
         lock(&self.model).clone()
     }
 
-    /// Reads something of the present state.
+    /// Reads from the present state.
     fn read<T: Send>(&self, py: Python<'_>, read: impl FnOnce(&Model) -> T + Send) -> T {
         py.detach(|| read(&self.model()))
     }
@@ -160,14 +160,14 @@ impl Scene {
         self.read(py, |model| model.notes.warnings.clone())
     }
 
-    /// The lower and the upper corner of the box around it, m; `None` without triangles.
+    /// The lower and the upper corner of the scene's box, m; `None` without triangles.
     #[getter]
     fn bounds(&self, py: Python<'_>) -> Option<([f32; 3], [f32; 3])> {
         let bounds = self.read(py, Model::bounds);
         (!bounds.is_empty()).then(|| (bounds.min.into(), bounds.max.into()))
     }
 
-    /// The animations: of each its name and its duration, s.
+    /// The animations' names and durations, s.
     #[getter]
     fn animations(&self, py: Python<'_>) -> Vec<(String, f32)> {
         self.read(py, |model| {
@@ -176,7 +176,7 @@ impl Scene {
         })
     }
 
-    /// Shows it at a time of an animation, or of all at once.
+    /// Poses the scene at a time of an animation, or of all at once.
     fn pose(&self, py: Python<'_>, time_s: f32, animation: Option<usize>) -> PyResult<()> {
         self.edit(py, |model| {
             *model = posed(model, time_s, animation)?;
@@ -248,7 +248,7 @@ impl Scene {
         })
     }
 
-    /// Adds triangles with a material of their own, as one instance.
+    /// Adds triangles with their own material, as one instance.
     #[expect(clippy::too_many_arguments, reason = "they are those of the package's function")]
     fn add(
         &self,
@@ -303,7 +303,8 @@ impl Scene {
         self.read(py, |model| (model.environment.radiance.into(), model.environment.map.is_some()))
     }
 
-    /// Sets the surroundings: a radiance, times that of a panorama from a file or an array if there is one.
+    /// Sets the surroundings: a radiance, multiplied by a panorama from a file or an array if there
+    /// is one.
     #[pyo3(signature = (radiance, rotation_deg, file, width, texels))]
     fn set_environment(
         &self,

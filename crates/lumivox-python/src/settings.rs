@@ -15,7 +15,7 @@ use crate::scene::unknown;
 /// Settings as the package passes them: names, and values as on the command line.
 pub type Given = Vec<(String, String)>;
 
-/// The table: of each setting its name, group, unit, values, summary and default.
+/// The table: each setting's name, group, unit, values, summary and default.
 #[pyfunction]
 pub fn table() -> Vec<[String; 6]> {
     let row = |row: &Parameter| {
@@ -65,7 +65,7 @@ pub fn of(scene: &Scene, size: UVec2, given: &Given) -> Result<RenderSettings, F
         }
         Ok(())
     };
-    // A look's cones and exposure depend on the resolution and on the scene.
+    // A look's cones and exposure depend on resolution and scene.
     let physical = RenderSettings { size, ..RenderSettings::default() };
     let mut settings = physical.clone();
     take(&mut settings)?;
@@ -101,13 +101,13 @@ pub fn texts(settings: &RenderSettings) -> Vec<(&'static str, String)> {
 /// A layer of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layer {
-    /// The mean over the frames of a view.
+    /// The mean of a view over the frames.
     View(View),
-    /// The numbers of the visible instances, -1 where there is none.
+    /// The numbers of visible instances; -1 in the background.
     Instance,
-    /// The numbers of their materials, -1 where there is none.
+    /// The numbers of their materials; -1 in the background.
     Material,
-    /// The motion since the picture before, in pixels.
+    /// The motion since the previous picture, in pixels.
     Motion,
 }
 

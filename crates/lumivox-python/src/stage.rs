@@ -1,4 +1,4 @@
-//! A scene with its camera and the light that is added to it.
+//! A scene with its camera and added light.
 
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::error::Fault;
 use crate::records::CameraRecord;
 use crate::scene::unknown;
 
-/// A camera as the caller names it.
+/// A caller's choice of a camera.
 #[derive(FromPyObject)]
 pub enum CameraArgument {
     /// A camera as on the command line: a name, a number, or positions.
@@ -25,7 +25,7 @@ pub enum CameraArgument {
 pub struct Staged {
     pub scene: Arc<Scene>,
     pub camera: Camera,
-    /// Sentences on what was chosen.
+    /// Sentences on the chosen camera and light.
     pub notes: Vec<String>,
 }
 

@@ -43,7 +43,7 @@ impl Progress {
     }
 }
 
-/// Does work without the global lock, and turns its error into an exception.
+/// Does work without the global lock, and converts its error to an exception.
 ///
 /// # Errors
 /// The exception.
@@ -54,8 +54,7 @@ pub fn detached<T: Send>(
     py.detach(work).map_err(|fault| fault.raise(py))
 }
 
-/// Takes a lock, even if work panicked under it: that work has ended, and its state is checked
-/// again.
+/// Takes a lock even if work panicked under it: the state is checked again.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -63,7 +62,7 @@ pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// The numbers of an array; `name` is the argument's.
 ///
 /// # Errors
-/// When the bytes are not a whole number of them.
+/// When the bytes are not a whole number of values.
 pub fn numbers<T: Pod>(name: &str, bytes: &Bound<'_, PyBytes>) -> Result<Vec<T>, Fault> {
     let bytes = bytes.as_bytes();
     if !bytes.len().is_multiple_of(size_of::<T>()) {

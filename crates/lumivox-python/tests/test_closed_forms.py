@@ -174,7 +174,7 @@ def overcast_sky() -> Case:
     sky = np.where(rows > 0, 3000 * (1 + 2 * rows) / 3, 0.0)
     texels = np.broadcast_to(sky[:, None, None], (256, 512, 3)).astype(np.float32)
     scene.set_environment(map=texels)
-    # The upright surfaces are so high that cones hit no voxel of the ground.
+    # The upright surfaces are high enough that cones hit no ground.
     points = np.array([(0, 0, 0), (0, 4, 0), (0, 4, 0), (0, 4, 0)])
     normals = np.array([(0, 1, 0), (1, 0, 0), (0, 0, -1), (0.6, 0, 0.8)])
     lux = 3000 * np.array([7 / 9 * np.pi, *[np.pi / 6 + 4 / 9] * 3])

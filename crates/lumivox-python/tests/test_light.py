@@ -25,7 +25,7 @@ def test_a_lamp_follows_the_inverse_square_law() -> None:
     points = np.stack([x, np.zeros(7), 0.2 * np.ones(7)], 1)
     lux = lumivox.irradiance(scene, points, **SMALL).lux
     squared = x**2 + 0.2**2 + height**2
-    # The inverse square times the cosine: I h / d^3. What is left is the rounding of f32.
+    # The inverse square times the cosine: I h / d^3, to the rounding of f32.
     np.testing.assert_allclose(lux, candela * height / squared**1.5, rtol=1e-5)
     below = lumivox.irradiance(scene, points, (0, -1, 0), **SMALL).lux
     assert (below == 0).all()
@@ -37,8 +37,8 @@ def test_a_uniform_sky_gives_pi_times_its_radiance() -> None:
     up = lumivox.irradiance(scene, [[0, 0, 0], [0.3, 0.2, -0.7]], **SMALL).lux
     # The cones' weights sum up to pi, to the rounding of f32.
     np.testing.assert_allclose(up, np.pi * 1000, rtol=1e-4)
-    # A point in the air that faces sideways sees half of the sky, and the black floor. Cones are 60
-    # degrees wide and the voxels coarse, so the tolerance is a tenth.
+    # A point in the air with a horizontal normal sees half of the sky, and the black floor. Cones
+    # are 60 degrees wide and voxels are coarse, so the tolerance is a tenth.
     side = lumivox.irradiance(scene, (0, 0.05, 0), (1, 0, 0), **{**SMALL, "frames": 64}).lux
     assert side == pytest.approx(np.pi * 500, rel=0.1)
 
@@ -96,7 +96,7 @@ def test_path_traced_irradiance_reports_its_standard_error(cornell: Scene) -> No
     assert (np.asarray(light) == light.lux).all()
     cones = lumivox.irradiance(cornell, points, resolution=64, frames=64)
     assert cones.standard_error is None
-    # The error of cones in voxels of a 64th of the box.
+    # The error of cones at 64 voxels along the box.
     np.testing.assert_allclose(cones.lux, light.lux, rtol=0.1)
     dark = lumivox.irradiance(cornell, points, method="paths", samples=32, bounces=0)
     assert (dark.rgb == dark.direct).all(), "nothing but lamps without a bounce"

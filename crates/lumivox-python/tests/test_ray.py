@@ -92,7 +92,7 @@ def test_distributed_pictures_match_one_machine(cluster: None, tmp_path: Path) -
     for name, array in alone.items():
         assert (film[name] == array).all(), name
     assert (alone["radiance"][0] != alone["radiance"][4]).any()
-    # The motion of a piece's first picture is that since the last picture of the piece before.
+    # A piece's first picture has the motion since the previous piece's last picture.
     assert all((motion != 0).any() for motion in alone["motion"][1:])
     with pytest.raises(InputError, match="scene: its animations do not travel"):
         lumivox.ray.render_many(Scene.load(file), VIEW, times_s=times)

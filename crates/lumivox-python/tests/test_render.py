@@ -185,7 +185,7 @@ def test_ctrl_c_stops_a_render_but_keeps_the_renderer(renderer: Renderer, cornel
     endless = Renderer(cornell, size=(16, 16), **{**SMALL, "frames": 65536})
     timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
     with pytest.raises(KeyboardInterrupt):
-        # Start the timer in here: on a busy machine the signal may come before the picture begins.
+        # Start the timer here: on a busy machine the signal might come before the picture begins.
         timer.start()
         endless.render()
     assert endless.irradiance((0, 1, 0)).lux > 0
@@ -266,7 +266,7 @@ def test_a_render_survives_deletion_of_scene_and_renderer() -> None:
     def work(renderer: Renderer) -> None:
         results.append(renderer.render(progress=tell).radiance)
 
-    # The thread's argument is the only reference that is left while it renders.
+    # While it renders, the thread's argument is the only reference left.
     thread = threading.Thread(target=work, args=(kept[0],))
     thread.start()
     assert begun.wait(60)

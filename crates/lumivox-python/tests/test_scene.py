@@ -53,7 +53,7 @@ def test_arrays_of_any_kind_become_triangles() -> None:
         ({"positions": [["a"]]}, "positions: has the dtype <U1"),
         ({"positions": POSITIONS.astype(complex)}, "positions: has the dtype complex128"),
         ({"positions": [[0, 0], [1]]}, "positions: is no array"),
-        # Terabytes, if anything copied them.
+        # A copy would take terabytes.
         ({"positions": np.broadcast_to(np.float32(0), (1 << 40, 3))}, "positions: has 3298534883328 numbers, but"),
         ({"indices": np.broadcast_to(np.uint8(0), (1 << 40, 3))}, "indices: has 3298534883328 numbers, but"),
         ({"indices": [[0, 1, 3]]}, r"indices\[0, 2\]: is 3, but there are only 3 positions"),
@@ -82,7 +82,7 @@ def test_trimesh_and_pyvista_like_meshes_are_read() -> None:
     assert scene.bounds == ((-0.5, -1, -1.5), (0.5, 1, 1.5))
     several = trimesh.Scene([box, box.copy().apply_translation((5, 0, 0))])
     assert Scene.from_mesh(several).triangles == 24
-    # As pyvista.PolyData has it: each face begins with the number of its corners.
+    # The format of pyvista.PolyData: each face begins with the number of its corners.
     surface = SimpleNamespace(points=POSITIONS, faces=np.array([3, 0, 1, 2]))
     surface.triangulate = lambda: surface
     assert Scene.from_mesh(surface).triangles == 1

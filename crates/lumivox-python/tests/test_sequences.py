@@ -40,7 +40,7 @@ def test_posing_moves_instances_and_lights(tmp_path: Path) -> None:
     assert scene.instances[0].world_from_local[0][3] == pytest.approx(1)
     low, high = scene.bounds_over([0, 1], "all")
     assert (low[1], high[1]) == pytest.approx((-2, 6)) and scene.lights[0].position[1] == pytest.approx(2)
-    # Added lights do not move, nor do lights that replace the file's.
+    # Neither added lights nor lights that replace the file's move.
     scene.lights += (Light(intensity=1, position=(5, 5, 5), name="mine"),)
     scene.pose(0)
     assert [light.position for light in scene.lights] == [(0, 1, 3), (5, 5, 5)]
@@ -130,7 +130,7 @@ def test_the_motion_layer_shows_camera_motion() -> None:
     local = np.stack([(2 * x - 64) / 48 * half, -(2 * y - 48) / 48 * half, -np.ones_like(x)], -1)
     rays = local @ axes / np.linalg.norm(local, axis=-1, keepdims=True)
     depth = second.layers["depth"][..., None]
-    # Coverage is of all samples, layers of data are of the first one.
+    # Coverage counts all samples, data layers only the first.
     is_surface = depth > 0
     # The background is infinitely far away.
     ways = np.where(is_surface, np.array(cameras[1].position) + depth * rays - cameras[0].position, rays)
@@ -139,8 +139,8 @@ def test_the_motion_layer_shows_camera_motion() -> None:
     expected = np.stack([x, y], -1) - former / 2
     motion = second.layers["motion"]
     assert np.abs(motion).max() > 2 and (~is_surface).sum() > 50
-    # One frame samples the middles of pixels. The depth is rounded, and at an edge the two may see
-    # different things.
+    # One frame samples the middles of pixels. Depth is rounded, and at an edge the two methods may
+    # see different surfaces.
     close = np.abs(motion - expected).max(-1) < 0.02
     assert close.mean() > 0.99
 

@@ -1,4 +1,4 @@
-// The draws of a scene: its meshes with their matrices, and which of them have never moved.
+// The draws of a scene: meshes with their matrices, and whether they have ever moved.
 
 import { Matrix4 } from "three/webgpu";
 import { Geometries } from "./geometries.js";
@@ -58,7 +58,7 @@ export class Draws {
         const materials = Array.isArray(material) ? material : [material];
         const states = materials.map((each) => each && this.#materials.of(each, this.#frame));
         const known = this.#known(object);
-        // As in three.js, only the mesh's matrix mirrors it, not those of instances.
+        // As in three.js, only the mesh's own matrix counts, not those of instances.
         const isMirrored = object.matrixWorld.determinant() < 0;
         for (const { group, start, count } of parts(object, materials)) {
             const own = materials[group];

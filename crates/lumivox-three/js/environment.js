@@ -4,14 +4,17 @@
 import { DirectionalLight, FloatType, Group, NearestFilter, NodeMaterial, QuadMesh, RenderTarget, RendererUtils, Sphere } from "three/webgpu";
 import { cubeTexture, equirectUV, float, pmremTexture, screenCoordinate, texture, vec3 } from "three/tsl";
 
-/** Texels around: for textures without a size, or narrower than `LEAST` (gradients); the most. */
+/**
+ * Width of the panorama, texels: for textures without a size or below `LEAST` (gradients);
+ * maximum.
+ */
 const [WIDTH, LEAST, LARGEST] = [512, 16, 2048];
-/** Texels: three.js only reads back rows of a multiple of this length. */
+/** three.js only reads back rows of a multiple of this many texels. */
 const STEP = 16;
 /** Numbers per sun: direction, irradiance, angular radius. */
 const SUN = 7;
 
-/** Version of a texture's content, drawings of a `CubeCamera` included (`needsPMREMUpdate`). */
+/** Version of a texture's content, including drawings of a `CubeCamera` (`needsPMREMUpdate`). */
 const versionOf = (texture) => (texture === null ? 0 : texture.version + texture.pmremVersion);
 
 export class Environment {
@@ -26,7 +29,7 @@ export class Environment {
     /** The suns of the picture, as lights of three.js: they light surfaces directly. */
     #suns = new Group();
 
-    /** `bounds` is where suns cast shadows; null leaves suns out. */
+    /** Suns cast shadows in `bounds`; null leaves suns out. */
     constructor(shared, renderer, scene, bounds, note) {
         this.#shared = shared;
         this.#renderer = renderer;
@@ -111,7 +114,7 @@ export class Environment {
         this.#removeSuns();
         if (this.#bounds === null) return;
         const around = this.#bounds.getBoundingSphere(new Sphere());
-        // The suns turn about the middle of the bounds.
+        // Suns turn about the middle of the bounds.
         this.#suns.position.copy(around.center);
         for (let at = 0; at + SUN <= rows.length; at += SUN) {
             const [x, y, z, red, green, blue] = rows.subarray(at, at + SUN);

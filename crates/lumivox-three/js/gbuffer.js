@@ -8,7 +8,7 @@ import {
 } from "three/tsl";
 
 const NAMES = ["output", "specular", "motion"];
-/** Bytes of a pixel: three textures of half floats, and depth. */
+/** Bytes per pixel: three textures of half floats, and depth. */
 const PIXEL = 3 * 8 + 4;
 
 /** Unit vectors as two numbers: Meyer et al. 2010, "On floating-point normal vectors". */
@@ -105,8 +105,8 @@ export class GBuffer {
         this.#rendererState = RendererUtils.resetRendererState(renderer, this.#rendererState);
         this.#sceneState = RendererUtils.resetSceneState(scene, this.#sceneState);
         try {
-            // Materials with our light would ask for it during this pass. three.js caches render
-            // lists by lighting, so the page's list does not change.
+            // Without this, materials would request our light during this pass. three.js caches
+            // render lists by lighting, so the page's list stays.
             renderer.contextNode = neutral;
             renderer.lighting = this.#darkness;
             renderer.setClearColor(0x000000, 0);

@@ -3,7 +3,7 @@
 
 import { Skins } from "./skins.js";
 
-/** Bytes of two numbers of texture coordinates, and of a colour of four 16-bit numbers. */
+/** Bytes of two texture coordinates, and of a colour of four 16-bit numbers. */
 const [TEXCOORD, COLOR] = [8, 8];
 /** Frames after which a geometry that is not drawn is freed. */
 const KEPT_FRAMES = 120;
@@ -13,7 +13,10 @@ export class Geometries {
     #renderer;
     #note;
     #skins;
-    /** By object if it deforms its geometry, else by geometry; then by side and use of colours. */
+    /**
+     * Buffers by object if it deforms its geometry, else by geometry; then by side and use of
+     * colours.
+     */
     #known = new Map();
     #next = 0;
     #encoder = null;

@@ -9,9 +9,11 @@ import { lightRows } from "./lights.js";
 import { LightNode, Outputs } from "./nodes.js";
 import { Draws } from "./draws.js";
 
-/** The most frames until the first voxels are complete; each applies read-backs of earlier ones. */
+/** Maximum frames until the first voxels are complete; each applies earlier read-backs. */
 const FIRST_FRAMES = 16;
-/** Margin between the outermost surface and the end of the voxels, by the scene's size. */
+/**
+ * Margin between the outermost surface and the end of the voxels, as a share of the scene's size.
+ */
 const MARGIN = 0.01;
 const OWN = new Set(["scene", "camera", "bounds", "onProgress", "suns"]);
 
@@ -66,7 +68,7 @@ export class Gi {
         /** For `pass.contextNode`: gives all opaque materials of a pass our light. */
         this.context = context({
             getGI: (given, { material }) => {
-                // Not in the G-buffer: three.js draws these materials after the opaque ones.
+                // Materials outside the G-buffer: three.js draws them after opaque ones.
                 const isLater = material.transparent === true || material.transmission > 0 || material.transmissionNode || material.backdropNode;
                 if (isLater) return given;
                 return given === null ? light : light.add(given);
@@ -158,7 +160,8 @@ export class Gi {
         const { view } = camera;
         const row = this.#camera;
         const clip = this.#clip.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
-        // TRAANode and similar nodes jitter the picture within a pixel; the matrix is without it.
+        // TRAANode and similar nodes jitter the picture within a pixel; the matrix excludes the
+        // jitter.
         const isShifted = view?.enabled === true && view.width === view.fullWidth;
         const [x, y] = isShifted ? [-view.offsetX, -view.offsetY] : [0, 0];
         if (isShifted) clip.premultiply(new Matrix4().makeTranslation((-2 * x) / view.width, (2 * y) / view.height, 0));
@@ -175,7 +178,7 @@ function boundsOf(scene) {
     const [bounds, own] = [new Box3(), new Box3()];
     scene.traverseVisible((object) => {
         if (!object.isMesh || object.userData.gi === false || object.geometry?.attributes.position === undefined) return;
-        // Skinned and instanced meshes have a box of their own.
+        // Skinned and instanced meshes have their own box.
         const owner = object.computeBoundingBox ? object : object.geometry;
         owner.computeBoundingBox();
         bounds.union(own.copy(owner.boundingBox).applyMatrix4(object.matrixWorld));

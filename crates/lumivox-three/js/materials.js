@@ -23,7 +23,7 @@ export class Materials {
         this.#note = note;
     }
 
-    /** A material's number, and whether it has ever changed. Reads each material once a frame. */
+    /** A material's number, and whether it has ever changed. Each material is read once a frame. */
     of(material, frame) {
         let state = this.#known.get(material);
         if (state === undefined) {

@@ -10,7 +10,7 @@ export class Outputs {
         this.reflection = texture(wrapped(null));
     }
 
-    /** Replaces the textures, for another size. */
+    /** Replaces the textures when the size changes. */
     set([irradiance, reflection]) {
         this.dispose();
         this.irradiance.value = wrapped(irradiance);
@@ -46,7 +46,7 @@ export class LightNode extends Node {
     }
 
     updateBefore() {
-        // An error would leave three.js in the middle of the page's pass.
+        // An exception would interrupt three.js in the page's pass.
         try {
             this.gi.update();
         } catch (error) {
@@ -65,7 +65,7 @@ export class LightNode extends Node {
                 // as three.js does.
                 iblIrradiance?.mulAssign(metalness);
             } else {
-                // Our reflection includes the scene's surroundings and what occludes them, so it
+                // Our reflection includes the scene's surroundings and their occlusion, so it
                 // replaces that of three.js.
                 radiance?.assign(vec3(0));
                 iblIrradiance?.assign(vec3(0));

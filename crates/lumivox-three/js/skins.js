@@ -11,7 +11,7 @@ struct Binding {
 
 @group(0) @binding(0) var<uniform> binding: Binding;
 @group(0) @binding(1) var<storage, read> rest: array<f32>;
-// Four bones, two a number; and their weights.
+// Four bones, two per number; their weights.
 @group(0) @binding(2) var<storage, read> joints: array<vec2u>;
 @group(0) @binding(3) var<storage, read> weights: array<vec4f>;
 @group(0) @binding(4) var<storage, read> bones: array<mat4x4f>;

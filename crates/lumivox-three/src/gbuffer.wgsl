@@ -1,6 +1,6 @@
-// What three.js has drawn, as Lumivox's cones read it: in the place of `package::trace::gbuffer`.
+// The G-buffer of three.js, as Lumivox's cones read it, in place of `package::trace::gbuffer`.
 //
-// `js/gbuffer.js` writes the three textures. IS_REVERSED is put before this text.
+// `js/gbuffer.js` writes the three textures. Rust puts IS_REVERSED before this text.
 
 import package::trace::surface::{octahedral_decode, Specular, Surface};
 import package::trace::view::{position_from_depth, view};
@@ -10,8 +10,8 @@ import package::trace::view::{position_from_depth, view};
 @group(3) @binding(2) var three_normals: texture_2d<f32>;
 // Specular reflectance at normal incidence in rgb, perceptual roughness in a.
 @group(3) @binding(3) var three_specular: texture_2d<f32>;
-// Motion since the frame before in xy, in normalized device coordinates; strength and perceptual roughness of a clear
-// coat in zw.
+// Motion since the previous frame in xy, in normalized device coordinates; strength and perceptual
+// roughness of a clear coat in zw.
 @group(3) @binding(4) var three_motion: texture_2d<f32>;
 
 fn load_surface(pixel: vec2u) -> Surface {
@@ -20,7 +20,7 @@ fn load_surface(pixel: vec2u) -> Surface {
     let position = position_from_depth(pixel, max(depth, 1e-7));
     let normals = textureLoad(three_normals, pixel, 0);
     let geometric = octahedral_decode(normals.zw);
-    // It comes from differences between pixels, which have no side.
+    // The geometric normal comes from differences between pixels, which have no side.
     let is_turned = dot(geometric, view.position_in_world - position) < 0.0;
     return Surface(position, depth, octahedral_decode(normals.xy), select(geometric, -geometric, is_turned));
 }

@@ -13,14 +13,14 @@ use crate::error::PageError;
 pub const MATERIAL: usize = 14;
 /// Numbers of a light.
 pub const LIGHT: usize = 14;
-/// Whole numbers of a draw; its matrix has 16 more.
+/// Integers of a draw; its matrix has 16 further numbers.
 pub const DRAW: usize = 5;
 /// Numbers of a camera.
 pub const CAMERA: usize = 22;
 
 /// A material: reflectance RGBA; the gloss's reflectance at normal incidence, its roughness, and
-/// the share of the surface that has it; emission RGB; transmission; then flags, 0 or 1: alpha is
-/// coverage, double-sided, reserved.
+/// the share of glossy surface; emission RGB; transmission; then flags, 0 or 1: alpha is coverage,
+/// double-sided, reserved.
 ///
 /// # Errors
 /// When there are not [`MATERIAL`] numbers, or one is not finite.
@@ -48,7 +48,7 @@ pub fn texture_transform(row: &[f32]) -> Affine2 {
 }
 
 /// Draws with the numbers of their geometries. A row is geometry, first index, number of indices,
-/// material, and 1 if the draw is static; each has a matrix, column by column.
+/// material, and 1 if static; each row has a matrix, column by column.
 ///
 /// # Errors
 /// When a row or a matrix is incomplete, or there are not as many rows as matrices.
@@ -114,7 +114,7 @@ fn light(row: &[f32; LIGHT]) -> Result<Light, PageError> {
 }
 
 /// A camera: the matrix to clip space without jitter, position, jitter in pixels, and 1 if z is
-/// reversed, 0 if it grows from 0 at the near plane to 1.
+/// reversed, 0 if z is 0 at the near plane.
 ///
 /// # Errors
 /// When there are not [`CAMERA`] numbers, or one is not finite.
@@ -167,8 +167,8 @@ mod tests {
 
     #[test]
     fn a_camera_of_three_gets_reversed_depth() {
-        // Near 1, far 10, as three.js has it for WebGPU: z / w is 0 at the near plane and 1 at the
-        // far one.
+        // Near 1, far 10, as in three.js for WebGPU: z / w is 0 at the near plane and 1 at the far
+        // plane.
         let clip = glam::camera::rh::proj::directx::perspective(1.0, 1.0, 1.0, 10.0);
         let mut row = [0.0; CAMERA];
         row[..16].copy_from_slice(&clip.to_cols_array());

@@ -1,7 +1,7 @@
 //! Global illumination for three.js: the library on the device of a `WebGPURenderer`, without
 //! scenes and files.
 //!
-//! The Rust code does not depend on three.js: JavaScript (`js/`) walks its scene and passes
+//! The Rust code does not depend on three.js: JavaScript (`js/`) walks the scene and passes
 //! buffers, textures and numbers; the results are two textures.
 //!
 //! | file | is |

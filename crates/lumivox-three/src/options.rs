@@ -7,7 +7,7 @@ use lumivox::{GiConfig, Grid, Preset, TraceSettings, VolumeKind};
 use crate::error::PageError;
 use crate::gbuffer;
 
-/// The options that a page chooses once.
+/// Options that a page chooses once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// The configuration of the library.

@@ -17,7 +17,8 @@ use crate::foreign::{Role, view};
 use crate::options::{self, Options};
 use crate::{device, input};
 
-/// Runs when the module is loaded: a panic, which is a defect of this project, says where it happened.
+/// Runs when the module is loaded: panics, which are defects of this project, then name their
+/// place.
 #[wasm_bindgen(start)]
 pub fn start() {
     console_error_panic_hook::set_once();
@@ -51,7 +52,7 @@ struct Mesh {
 
 #[wasm_bindgen]
 impl SharedGi {
-    /// Global illumination on a device, for what is between two corners (six numbers, m).
+    /// Global illumination on a device, for the box between two corners (six numbers, m).
     #[wasm_bindgen(js_name = adopt)]
     pub async fn adopt(
         device: JsValue,
@@ -81,7 +82,8 @@ impl SharedGi {
         })
     }
 
-    /// Compiles what is left to compile, while the page goes on; gives the number done and the total.
+    /// Compiles the remaining pipelines while the page continues; reports the number done and the
+    /// total.
     pub async fn compile(&self, on_progress: Option<Function>) -> Result<(), JsValue> {
         let mut report = |done: u32, total: u32| {
             if let Some(call) = &on_progress {
@@ -99,9 +101,10 @@ impl SharedGi {
         Ok(())
     }
 
-    /// Makes the buffers of a geometry: bytes, stride and offset of positions; bytes and stride of other attributes, and where
-    /// among them two sets of texture coordinates and the colour stand, plus one, or 0; bytes of indices, and bytes of one.
-    /// Returns three `GPUBuffer`s to be filled, the second of them undefined without attributes.
+    /// Makes the buffers of a geometry. `layout`: bytes, stride and offset of positions; bytes and
+    /// stride of other attributes; offsets plus one, or 0, of two sets of texture coordinates and
+    /// the colour; bytes of all indices, and of one. Returns three `GPUBuffer`s to be filled, the
+    /// second undefined without attributes.
     pub fn mesh(&mut self, id: u32, layout: &[u32]) -> Result<Array, JsValue> {
         let &[
             position_bytes,
@@ -143,14 +146,15 @@ impl SharedGi {
         Ok(handles)
     }
 
-    /// Frees the buffers of a geometry that no draw uses any more.
+    /// Frees the buffers of a geometry that no draw uses.
     #[wasm_bindgen(js_name = removeMesh)]
     pub fn remove_mesh(&mut self, id: u32) {
         self.meshes.remove(&id);
     }
 
-    /// Sets a material, whose number is at most one above those that are there. A texture is `null` or a `GPUTexture`;
-    /// its numbers are the set of texture coordinates, how it is wrapped in x and y (0 clamped, 1 repeated, 2 mirrored), and a matrix of nine.
+    /// Sets a material; `index` is at most the number of materials. A texture is `null` or a
+    /// `GPUTexture`; its twelve `places` are the set of texture coordinates, the wrapping in x and
+    /// y (0 clamped, 1 repeated, 2 mirrored), and a 3x3 matrix.
     #[wasm_bindgen(js_name = setMaterial)]
     pub fn set_material(
         &mut self,
@@ -203,7 +207,7 @@ impl SharedGi {
         Ok(surface)
     }
 
-    /// Sets what is drawn; `input.rs` has the numbers.
+    /// Sets the draws; `input.rs` has the numbers.
     #[wasm_bindgen(js_name = setDraws)]
     pub fn set_draws(&mut self, rows: &[u32], matrices: &[f32]) -> Result<(), JsValue> {
         let draws = input::draws(rows, matrices)?;
@@ -220,7 +224,7 @@ impl SharedGi {
             batch.draws = draws;
             batches.push(batch);
         }
-        // The vertices of what has moved once may have changed, too.
+        // Objects that have moved once may have new vertices, too.
         let may_change = batches.iter().flat_map(|batch| &batch.draws).any(|draw| !draw.is_static);
         let known = &self.geometry.batches;
         let is_known = batches.len() == known.len()
@@ -241,8 +245,8 @@ impl SharedGi {
         Ok(())
     }
 
-    /// Sets a picture of the surroundings, three numbers a texel, or none where the width is 0. Returns its suns: for
-    /// each the direction in which its light travels, its irradiance, and half its angle (rad).
+    /// Sets a picture of the surroundings, three numbers per texel, or none if the width is 0.
+    /// Returns its suns: each sun's direction of light, irradiance, and half angle (rad).
     #[wasm_bindgen(js_name = setEnvironment)]
     pub fn set_environment(
         &mut self,
@@ -267,8 +271,9 @@ impl SharedGi {
         Ok(suns)
     }
 
-    /// Takes the G-buffer of a picture of this size: depth, normals, specular reflectance, motion (`gbuffer.wgsl`).
-    /// Returns two `GPUTexture`s: irradiance (in a the open share of the hemisphere), and reflected radiance.
+    /// Sets the G-buffer of a picture of this size: depth, normals, specular reflectance, motion
+    /// (`gbuffer.wgsl`). Returns two `GPUTexture`s: irradiance (alpha: open share of the
+    /// hemisphere), and reflected radiance.
     #[wasm_bindgen(js_name = setScreen)]
     pub fn set_screen(
         &mut self,
@@ -315,9 +320,9 @@ impl SharedGi {
         Ok(())
     }
 
-    /// Records and submits a frame: voxels, their light (one bounce further), cones. `sky` is the radiance of the
-    /// surroundings or the factor of their picture, and their rotation (rad). Returns 1 if something is late and the frame should be repeated,
-    /// voxels, and faces.
+    /// Records and submits a frame: voxels, one bounce of their light, cones. `sky` is the radiance
+    /// of the surroundings or the factor of their picture, and their rotation (rad). Returns three
+    /// numbers: 1 if voxels are late and the frame should be repeated; voxels; faces.
     pub fn render(&mut self, camera: &[f32], sky: &[f32]) -> Result<Vec<u32>, JsValue> {
         let camera = input::camera(camera)?;
         let &[red, green, blue, rotation_rad] = sky else {

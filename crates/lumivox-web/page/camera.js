@@ -59,7 +59,7 @@ function turn(camera, left, above) {
     return (v) => rotate(rotate(v, right, raised - elevation), up, left);
 }
 
-/** Orbits the camera about its target: dragged to the right, the scene turns to the right.
+/** Orbits the camera about its target: a drag to the right turns the scene to the right.
  * @param {Camera} camera @param {number} right @param {number} down @returns {Camera} */
 export function orbit(camera, right, down) {
     const offset = turn(camera, -right, -down)(subtract(camera.position, camera.target));
@@ -83,7 +83,7 @@ export function pan(camera, right, down) {
     return moved(camera, add(scale(aside, -right * height), scale(above, down * height)));
 }
 
-/** Moves the camera towards its target (factors below 1) or away, but no nearer than `nearest`.
+/** Multiplies the distance to the target by `factor`, down to `nearest`.
  * @param {Camera} camera @param {number} factor @param {number} nearest @returns {Camera} */
 export function dolly(camera, factor, nearest) {
     const distance = length(subtract(camera.target, camera.position));
@@ -113,8 +113,8 @@ export function lookAt(camera, point) {
     return length(subtract(point, camera.position)) > 0 ? { ...camera, target: point } : camera;
 }
 
-/** The camera for a picture of this aspect (width by height). Upright pictures get a larger angle,
- * up to 150 degrees, so that a phone shows as much at the sides as a square picture.
+/** The camera for a picture of this aspect (width over height). Upright pictures get a larger
+ * angle, up to 150 degrees, so that a phone shows as much at the sides as a square picture.
  * @param {Camera} camera @param {number} aspect @returns {Camera} */
 export function fitted(camera, aspect) {
     if (!(aspect < 1)) return camera;

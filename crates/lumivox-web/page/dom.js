@@ -46,7 +46,7 @@ export function title(name) {
     return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
-/** A number in the few digits that a reader needs: those of a single float.
+/** A number in at most six digits, the precision of a single float.
  * @param {number} value */
 export const plain = (value) => String(Number(value.toPrecision(6)));
 

@@ -23,7 +23,7 @@ async function toggleFullScreen() {
     showPanel(false);
 }
 
-/** Updates the button, and restores the panel, however full screen has ended.
+/** Updates the button; restores the panel when full screen ends.
  * @param {boolean} hadPanel true if the panel was shown before */
 function followFullScreen(hadPanel) {
     const isFull = document.fullscreenElement !== null;

@@ -47,7 +47,7 @@ function lightFields(light, kind, open, change, remove) {
         const value = /** @type {Record<string, number | Vec3 | null>} */ (/** @type {unknown} */ (light))[key];
         if (isColor) return row(title, unit, colorField());
         if (parts.length > 0) {
-            // Zeros are none.
+            // If all are 0, an optional field is null.
             const put = (/** @type {Vec3} */ now) => change({ [key]: optional && now.every((part) => part === 0) ? null : now });
             return three(title, unit, /** @type {Vec3} */ (value ?? [0, 0, 0]), put, parts);
         }

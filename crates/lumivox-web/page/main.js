@@ -435,7 +435,7 @@ function listenToWorker() {
         addReport(report);
         probe.look();
         showSteps(report);
-        // The console may have changed it.
+        // The console may have changed the budget.
         const budget = byId("budget", HTMLInputElement);
         if (document.activeElement !== budget) budget.value = plain(report.budget_ms);
         byId("hint").hidden = !report.emission_alone;
@@ -443,7 +443,7 @@ function listenToWorker() {
         [last, waitedSince] = [report, performance.now()];
         if (asked === 0) {
             showTime(report.time_s);
-            // Its angle is fitted to the window.
+            // The angle stays fitted to the window.
             if (camera && report.camera) camera = { ...camera, ...report.camera, vertical_fov_deg: camera.vertical_fov_deg };
         }
         showStatus();

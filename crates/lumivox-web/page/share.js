@@ -14,8 +14,8 @@ import { say } from "./messages.js";
 /** @typedef {import("./types.js").Split} Split */
 
 /** The content of a link. It has only the settings set by hand: VXCT's own settings change with the
- * volume, and setting them would select its look. Defaults are left out unless there is a preset,
- * which has its own.
+ * volume, and setting them would select its look. Defaults are left out, except with a preset,
+ * whose values may differ.
  * @param {{ source: Source | null, panorama?: Source | null, environment?: Environment,
  *   preset?: string, camera: Camera | null, split?: Split | null, scale?: number,
  *   settings: Settings, touched: Set<string> }} now
@@ -73,6 +73,6 @@ export function save(file, name) {
     anchor.href = URL.createObjectURL(file);
     anchor.download = name;
     anchor.click();
-    // By then the download has begun.
+    // The download has begun by then.
     setTimeout(() => URL.revokeObjectURL(anchor.href), 60_000);
 }

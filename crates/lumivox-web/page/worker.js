@@ -78,7 +78,7 @@ async function frames() {
             const report = await renderer.render();
             isComplete = isComplete && report.complete;
             losses = 0;
-            // A camera that has moved since the frame began takes precedence.
+            // A camera moved since the frame began takes precedence.
             tell("frame", { ...report, camera: place ? undefined : report.camera, complete: isComplete });
         } catch (error) {
             isComplete = true;

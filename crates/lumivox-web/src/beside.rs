@@ -14,9 +14,9 @@ use crate::error::WebError;
 use crate::session::{Session, no_scene};
 use crate::types::Split;
 
-/// The time for which paths are traced between reports to the page.
+/// Time of path tracing between reports to the page.
 const TRACE_FOR: Duration = Duration::from_millis(150);
-/// The most samples of a reference, far more than anybody needs.
+/// Maximum samples of a reference, far more than needed.
 const MOST_SAMPLES: u32 = 1 << 20;
 
 /// The content of the right side.
@@ -161,8 +161,8 @@ impl Beside {
         }
     }
 
-    /// Does the next piece of work; returns `true` once none is left. Pictures that are changing
-    /// are not completed.
+    /// Does the next piece of work; returns `true` once none is left. Changing pictures are not
+    /// completed.
     ///
     /// # Errors
     /// When a view is refused, or the device fails.
@@ -208,7 +208,7 @@ impl Beside {
         Ok(has_rendered)
     }
 
-    /// Completes the left side first: it takes little time compared with the reference.
+    /// Completes the left side first: it takes less time than the reference.
     async fn advance_reference(
         &mut self,
         session: &mut Session,

@@ -1,5 +1,5 @@
-//! The console's access to files in a browser: it reads from addresses, and writes files that a
-//! page offers to its user.
+//! The console's file access in a browser: reads from addresses, and writes files that the page
+//! offers to its user.
 
 use std::cell::RefCell;
 use std::path::PathBuf;

@@ -59,7 +59,7 @@ impl Session {
 }
 
 impl Renderer {
-    /// Runs lines, and the lines that those add; returns the scene that they opened last, if any.
+    /// Runs lines, and lines that they add; returns the scene that they opened last, if any.
     pub(crate) async fn run_lines(
         &self,
         lines: &str,
@@ -105,7 +105,7 @@ impl Renderer {
     }
 }
 
-/// The result of lines, as an object for the page.
+/// The result of lines as an object for the page.
 pub(crate) fn ran(text: &str, files: &js_sys::Array, opened: Option<String>) -> JsValue {
     let ran = js_sys::Object::new();
     let parts: [(&str, JsValue); 3] =

@@ -22,7 +22,7 @@ pub enum Code {
     Scene,
     /// A file or an address cannot be fetched.
     Fetch,
-    /// The page has cancelled the work; it gets the reason of its own signal.
+    /// The page has cancelled the work; the exception is the signal's reason.
     Aborted,
     /// A value, a name or a number is not allowed.
     Value,
@@ -102,7 +102,7 @@ impl From<ExplorerError> for WebError {
 
 impl From<Failure> for WebError {
     fn from(failure: Failure) -> Self {
-        // Console lines have options, so names are not replaced.
+        // Console lines have options, so their names are not replaced.
         Self { code: Code::Value, message: failure.to_string() }
     }
 }

@@ -47,7 +47,7 @@ impl Files {
                 found.as_deref() == Some(extension)
             };
             let all: Vec<&str> = self.files.keys().filter(has_it).map(String::as_str).collect();
-            // A text beside a model may be a readme.
+            // A text file beside a model may be a readme.
             let is_one = |path: &&str| extension != "txt" || self.is_text_of_scene(path);
             if self.files.len() == 1 { all } else { all.into_iter().filter(is_one).collect() }
         };
@@ -111,7 +111,7 @@ impl Files {
         ))
     }
 
-    /// The file of that path, or else one of that name without a folder: a file dialog gives no
+    /// The file at this path, or else a file of this name without a folder: file dialogs give no
     /// folders.
     fn find(&self, path: &str) -> Option<&Vec<u8>> {
         if let Some(bytes) = self.files.get(path) {
@@ -200,7 +200,7 @@ mod tests {
         let files = of(&["room.gltf", "wood.png", "b/stone.png"]);
         assert_eq!(files.read("textures/wood.png").unwrap().as_ref(), b"wood.png");
         assert_eq!(files.read("b/stone.png").unwrap().as_ref(), b"b/stone.png");
-        // Within folders, whole paths count.
+        // Files in folders need the whole path.
         assert!(files.read("c/stone.png").is_err());
         assert_eq!(files.take_missing(), ["c/stone.png"]);
         assert!(files.take_missing().is_empty());

@@ -156,7 +156,7 @@ async fn load_files(list: &Array, listener: &Listener) -> Result<Loaded, WebErro
     let files = read_files(list, listener).await?;
     let file = files.scene()?.to_owned();
     let scene = parse(&files, &file, None, listener)?;
-    // Several panoramas: none is chosen, since the right one is unknown and the scene needs none.
+    // Of several panoramas none is chosen: the right one is unknown and the scene needs none.
     let (name, notes) = match files.panorama() {
         Ok(name) => (name, Vec::new()),
         Err(error) => (None, vec![error.message]),
@@ -203,8 +203,8 @@ async fn fetch(
     let mut tried = std::collections::BTreeSet::new();
     loop {
         listener.check().await?;
-        // Drop warnings: a missing file may be there in the next round. The last round's are logged
-        // below.
+        // Drop warnings: missing files may be there in the next round. The last round's warnings
+        // are logged below.
         let nobody = tracing::subscriber::NoSubscriber::default();
         let loaded =
             tracing::subscriber::with_default(nobody, || parse(&files, &name, asked, listener));
@@ -309,7 +309,7 @@ fn parse(
     let mut tell = |step: lumivox_scene::LoadProgress| {
         listener.tell(step.stage, step.done as f64, step.total as f64);
     };
-    // A page has no options for dropped files; the scene's notes say what may be wrong.
+    // A page has no options for dropped files; the scene's notes name possible errors.
     let of_page =
         || LoadOptions { ignore_required: true, budget: BUDGET, ..LoadOptions::default() };
     let mut options = LoadOptions {

@@ -495,7 +495,7 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// The session, once no other call uses it.
+    /// Waits until no other call uses the session.
     pub(crate) async fn session(&self) -> MutexGuard<'_, Session> {
         self.session.lock().await
     }

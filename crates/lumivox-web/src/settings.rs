@@ -97,11 +97,10 @@ pub fn change(settings: &mut RenderSettings, changes: &Settings) -> Result<(), W
         let Some(value) = parameter.names().find_map(|name| changes.get(name)) else { continue };
         let value = match value.of_kind(parameter.kind) {
             Some(value) => value,
-            // Texts are read as on a command line, so that fields and addresses need no types.
+            // Texts are read as on a command line, so that input fields and links need no types.
             None => parameter.parse(&value.in_words())?,
         };
-        // Values that are already set are skipped: an option of an octree would switch to an
-        // octree.
+        // Skip unchanged values: setting an option of an octree would switch to an octree.
         if parameter.get(settings) != value {
             parameter.set(settings, value)?;
         }

@@ -1,4 +1,4 @@
-//! The light and objects that were added to a scene, so that a panorama can replace them.
+//! Light and objects that were added to a scene, and that a panorama can replace.
 
 use std::ops::Range;
 

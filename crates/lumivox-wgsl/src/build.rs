@@ -54,7 +54,7 @@ pub fn build_modules(prefix: &str, slots: &[Slot]) {
             }
         }
     }
-    // A module that does not parse would be missed by all that import it.
+    // A module that does not parse would cause further errors in its importers.
     if problems.is_empty() {
         problems = unresolved(prefix, &modules, &implementations, slots);
     }
@@ -124,8 +124,8 @@ struct Parsed<'a> {
     imports: Vec<(Use, u32)>,
 }
 
-/// Imports of names that this crate's modules do not declare, and duplicates of unique names.
-/// Modules of other crates, and constants, are unknown here: linking checks their names.
+/// Errors for imports of names that this crate's modules do not declare, and for duplicates of
+/// unique names. Modules of other crates, and constants, are unknown here: linking checks them.
 fn unresolved(
     prefix: &str,
     modules: &[Parsed<'_>],
@@ -161,7 +161,7 @@ fn unresolved(
     for Parsed { file, module, .. } in modules {
         let names = module.declarations.iter().filter(|d| d.entry.is_none() && !d.name.is_empty());
         let names = names.map(|d| unique_name(&module.path, &d.name));
-        // A path is taken even if it declares nothing.
+        // A module's path must be unique even if it declares nothing.
         for name in names.chain([module.path.clone().into_owned()]) {
             if let Some(other) = unique.insert(name.clone(), file) {
                 let (file, other) = (file.display(), other.display());

@@ -7,11 +7,11 @@
 //! ```
 //!
 //! [`parse`] splits a module into its declarations and gives each a name that is unique in every
-//! program: `gather` of `package::cones::gather` becomes `cones_gather_gather`. It needs no other
-//! module for that. So a build script parses a crate's modules once ([`build_modules`]), and at run
+//! program: `gather` of `package::cones::gather` becomes `cones_gather_gather`. Parsing needs no
+//! other module. So a build script parses a crate's modules once ([`build_modules`]), and at run
 //! time [`ShaderLibrary::link`] only collects the declarations that a shader's entry points reach,
-//! and joins their text. Nothing is parsed then, except for modules that are added at run time. The
-//! names of entry points stay.
+//! and joins their text. Only modules added at run time are parsed then. Entry points keep their
+//! names.
 //!
 //! Some modules are *slots*: their paths have several implementations, of which a library holds
 //! one, under the slot's path. A slot's interface is the set of names that other modules import

@@ -10,7 +10,7 @@ use crate::module::{Declaration, Module, ParseError, Use, number, parse, value_o
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("shader {module}: {message}")]
 pub struct ShaderError {
-    /// The path of the module that is at fault.
+    /// The path of the faulty module.
     pub module: String,
     /// The mistake, with its line in the module's source if it is known.
     pub message: String,
@@ -50,7 +50,7 @@ pub struct LinkedShader {
     pub source: String,
     /// Names and workgroup sizes of the entry points; zeros for vertex and fragment shaders.
     pub entries: Vec<(String, [u32; 3])>,
-    /// The paths of modules in it that were added at run time.
+    /// The paths of linked modules that were added at run time.
     pub added: Vec<String>,
     places: Vec<Place>,
     lines: u32,
@@ -62,8 +62,7 @@ struct Place {
     /// Its first line in the linked source, from 1.
     line: u32,
     module: String,
-    /// The line in the module's source; `None` in modules of a build script, whose text has fewer
-    /// lines.
+    /// The line in the module's source; `None` in modules of a build script, which drops lines.
     line_of_module: Option<u32>,
 }
 
@@ -82,7 +81,7 @@ impl ShaderLibrary {
     }
 
     /// Adds the module `path` (without the leading `package::`), or replaces it. If the source does
-    /// not parse, [`Self::link`] says so.
+    /// not parse, [`Self::link`] fails.
     pub fn add(&mut self, path: &str, source: impl AsRef<str>) -> &mut Self {
         let found = match parse(path, source.as_ref(), true) {
             Ok(module) => Found::Added(Arc::new(module)),
@@ -99,7 +98,7 @@ impl ShaderLibrary {
 
     /// Defines an `f32` constant of the module `package::constants`; the value must be finite.
     pub fn constant_f32(&mut self, name: &'static str, value: f32) -> &mut Self {
-        // `Debug` writes as many digits as it takes to read the same value.
+        // `Debug` writes enough digits to read the same value.
         self.constant(name, format!("const {name}: f32 = {value:?}f;"))
     }
 
@@ -195,7 +194,7 @@ impl ShaderLibrary {
     }
 }
 
-/// A shader that grows by what it reaches.
+/// A shader to which reached declarations are added.
 struct Join<'a> {
     library: &'a ShaderLibrary,
     /// Declarations, by their addresses.
@@ -205,7 +204,7 @@ struct Join<'a> {
 }
 
 impl<'a> Join<'a> {
-    /// Adds a declaration after what it uses.
+    /// Adds a declaration after those that it uses.
     fn add(
         &mut self,
         module: &'a Module,

@@ -74,8 +74,8 @@ pub(crate) fn unique_name(module: &str, name: &str) -> String {
     format!("{}_{name}", module.replace("::", "_"))
 }
 
-/// Words that have a meaning only in WGSL's templates, and would be mistaken there for a
-/// declaration of that name.
+/// Words with a meaning only in WGSL's templates, where they would be mistaken for a declaration of
+/// that name.
 const ENUMERANTS: &[&str] =
     &["function", "private", "read", "read_write", "storage", "uniform", "workgroup", "write"];
 
@@ -93,7 +93,7 @@ pub fn parse(path: &str, source: &str, keeps_lines: bool) -> Result<Module, Pars
     parse_with_imports(path, source, keeps_lines).map(|(module, _)| module)
 }
 
-/// As [`parse`], and what the module imports, each with its line.
+/// As [`parse`], with the module's imports and their lines.
 pub(crate) fn parse_with_imports(
     path: &str,
     source: &str,
@@ -137,13 +137,13 @@ pub(crate) fn parse_with_imports(
             return Err(ParseError::new(piece.iter().find(|t| t.is_code()), message));
         }
     }
-    // Entry points are found by their names, which nothing else refers to.
+    // Entry points keep their names, which no declaration uses.
     for (head, _) in &pieces {
         if head.is_entry {
             names.remove(head.name);
         }
     }
-    // A local variable of such a name would be mistaken for the declaration.
+    // A local variable with a unique name would be mistaken for the declaration.
     let unique = names.values().map(|used| unique_name(&used.module, &used.name)).collect();
     let declarations =
         pieces.iter().map(|(head, piece)| declare(head, piece, (&names, &unique), keeps_lines));
@@ -395,7 +395,7 @@ fn declare(
         let lines = text.lines().map(str::trim_end).filter(|line| !line.is_empty());
         text = lines.collect::<Vec<_>>().join("\n");
     }
-    // Its own name is in its text, too.
+    // The declaration's text contains its own name.
     if let Some(own) = names.get(head.name) {
         uses.remove(own);
     }

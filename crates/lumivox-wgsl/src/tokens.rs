@@ -37,7 +37,7 @@ impl Token<'_> {
     }
 }
 
-/// All tokens of a source; joined, they are the source.
+/// All tokens of a source; their joined text is the source.
 pub(crate) fn tokens(source: &str) -> Vec<Token<'_>> {
     let mut found = Vec::new();
     let (mut rest, mut line) = (source, 1);
@@ -66,7 +66,7 @@ pub(crate) fn tokens(source: &str) -> Vec<Token<'_>> {
     found
 }
 
-/// Length, in bytes, of the start of the text whose characters belong.
+/// Length, in bytes, of the text's prefix of characters that belong.
 fn run(text: &str, belongs: impl Fn(char) -> bool) -> usize {
     text.find(|c| !belongs(c)).unwrap_or(text.len())
 }

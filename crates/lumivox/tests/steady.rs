@@ -1,5 +1,5 @@
-//! Frames of an animation create nothing and wait for nothing. In a program of its own, since
-//! created resources are counted for all that runs in it.
+//! Frames of an animation create no resources and wait for nothing. It has its own program, since
+//! resources are counted per process.
 
 #[path = "it/common/mod.rs"]
 mod common;
@@ -21,8 +21,8 @@ fn lamp(position: Vec3) -> Light {
     Light { source, shadow: Shadow::Cone }
 }
 
-/// 100 frames: a lamp and a plate move; each frame is recorded into an encoder of the caller's, and
-/// none is waited for.
+/// 100 frames in which a lamp and a plate move, each recorded into the caller's encoder, without
+/// waiting.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn steady_frames_create_no_gpu_resources() {
@@ -63,7 +63,7 @@ fn check_steady(volume: VolumeKind) {
         gi.frame(&mut recorder, frame_of).expect("it fits");
         drop(recorder);
         queue.submit([encoder.finish()]);
-        // The first frames may overflow buffers; later frames must have the result of that.
+        // The first frames may overflow buffers, which grow until later frames fit.
         while frame < 20 && gi.status().is_pending {
             device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
         }

@@ -6,13 +6,13 @@ import package::vxct::uniform::{has, settings, VxctCone};
 @group(3) @binding(0) var voxels: texture_3d<f32>;
 @group(3) @binding(1) var voxels_sampler: sampler;
 
-// How far diffuse and specular cones reach.
+// Length of diffuse and specular cones.
 const REACH: f32 = 1.0;
 // The opacity above which a diffuse cone has hit something.
 const FOUND: f32 = 0.01;
 // Factor of the mean of the diffuse cones.
 const DIFFUSE_GAIN: f32 = 5.0;
-// More steps than the finest cones take, so that no settings can hang the GPU.
+// Limit of steps, more than the finest cones take, so that no settings can hang the GPU.
 const MOST_STEPS: u32 = 4096u;
 
 fn sample_voxels(position: vec3f, level: f32) -> vec4f {
@@ -46,8 +46,8 @@ fn diffuse_cone(origin: vec3f, direction: vec3f) -> Traced {
     return Traced(vec3f(0.0), 0.0, samples);
 }
 
-// A surface that faces along z has no side directions: in VXCT the cones' positions are NaN. A
-// software GPU then reads the last cell along each axis, and so does this.
+// A surface that faces along z has no side directions: VXCT's cones have NaN positions. As a
+// software GPU does, this then reads the last cell along each axis.
 fn side_cone(origin: vec3f, direction: vec3f, has_sides: bool) -> Traced {
     if has_sides {
         return diffuse_cone(origin, direction);
@@ -88,7 +88,7 @@ fn diffuse_cones(position: vec3f, normal: vec3f) -> Traced {
     return Traced(DIFFUSE_GAIN * sum / f32(max(count, 1u)), 0.0, samples);
 }
 
-// The share of light that is blocked between a surface and a light, softly near the surface.
+// The share of light blocked between a surface and a light, softly near the surface.
 fn occlusion_cone(position: vec3f, direction: vec3f, reach: f32, softness: f32) -> Traced {
     let cone = settings.occlusion;
     var distance = cone.offset;

@@ -1,4 +1,4 @@
-//! How bright a scene is shown in the look.
+//! The brightness of a scene in the look.
 
 use glam::Vec3;
 use lumivox_render::look::LookScene;
@@ -11,7 +11,7 @@ use lumivox_scene::{Attenuation, Environment, Material, Scene};
 pub struct VxctDisplay {
     /// The radiance that is shown as 1, in cd/m².
     pub white: f32,
-    /// The exposure that makes it so.
+    /// The exposure that maps `white` to 1.
     pub exposure: Exposure,
     /// The curve.
     pub tone_map: ToneMap,
@@ -22,7 +22,7 @@ pub struct VxctDisplay {
 /// Scenes made for VXCT, with a light that has an [`Attenuation`] or with a grid of their own and
 /// no lights, are in display values: they are shown without exposure and encoding. Other scenes are
 /// in physical units: there white is the radiance of a white surface that faces the strongest
-/// light, a lamp right at its place (its colour in VXCT's sense) or a sun. Without lights, white is
+/// light, a sun or a lamp without falloff (its colour in VXCT's sense). Without lights, white is
 /// the mean radiance of the surroundings, or else the strongest emission. The picture is encoded
 /// for the screen, since the light of a real scene has more contrast than display values.
 pub fn vxct_display(scene: &Scene) -> VxctDisplay {

@@ -1,5 +1,5 @@
-// The last step from the drawn fragments to the picture: the background behind them, and radiance
-// instead of display values.
+// Turns drawn fragments into the picture: adds the background, and converts display values to
+// radiance.
 
 import package::constants::{
     VIEW_DIFFUSE, VIEW_DIRECT, VIEW_FINAL, VIEW_INDIRECT, VIEW_LOD, VIEW_SPECULAR,
@@ -12,7 +12,7 @@ import package::trace::view::{ray_direction, view};
 @group(1) @binding(0) var drawn: texture_2d<f32>;
 @group(1) @binding(1) var picture: texture_storage_2d<rgba32float, write>;
 
-// As a share of white.
+// The background, as a share of white.
 fn background(pixel: vec2u) -> vec3f {
     if settings.has_environment != 0u {
         return environment_background(ray_direction(pixel)) / settings.white;

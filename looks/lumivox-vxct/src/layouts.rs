@@ -1,5 +1,5 @@
-//! Rust's and WGSL's structs have the same layout, as naga reflects it, and every shader is valid:
-//! without a GPU.
+//! Tests without a GPU: Rust's and WGSL's structs have the same layout by naga's reflection, and
+//! every shader is valid.
 
 use lumivox::gpu::ShaderLibrary;
 use lumivox::shaders::library_with_volume;

@@ -1,7 +1,7 @@
 //! The look of VXCT: Phong's light, and a few fixed cones for shadows, reflections and diffuse
 //! light (docs/looks.md), as a [`Look`] for [`RenderSettings::look`].
 //!
-//! It has voxels of its own, a cube of them around the scene in one texture with 8 bits per channel
+//! It has its own voxels, a cube around the scene in one texture with 8 bits per channel
 //! (`voxels.rs`), and draws the scene's triangles with one fragment shader that does everything
 //! else (`shade.wgsl`). Its resources are created when it is first used, so that a physical
 //! rendering starts as fast as without it. Positions and lengths are in the cube from -1 to 1 that
@@ -42,7 +42,7 @@ pub use settings::{ConeShape, VxctSettings};
 /// The name of the look.
 pub const NAME: &str = "vxct";
 
-/// The look among others.
+/// The entry of the look in the list of looks.
 pub const CHOICE: Choice = Choice::new(NAME, "Phong's light and VXCT's own cones (docs/looks.md)");
 
 /// The group of its settings.
@@ -52,7 +52,7 @@ pub const GROUP: Group = Group::Look(NAME);
 pub const PRESET: PresetChoice = PresetChoice::Added(&AddedPreset {
     name: NAME,
     summary: "VXCT's look: Phong's light and its own cones, isotropic voxels, colours as display values",
-    // It has cones of its own.
+    // The look has its own cones.
     trace: TraceSettings::default,
     look: |resolution| Some(Arc::new(VxctSettings::for_resolution(resolution))),
     companions: |usual| Companions {
@@ -98,7 +98,7 @@ impl Look for VxctSettings {
         Ok(check(&Self::SETTINGS, self)?)
     }
 
-    /// It has neither an octree nor past frames to show.
+    /// The look has neither an octree nor past frames.
     fn shows(&self, view: View) -> bool {
         !view.needs_octree() && !view.needs_past()
     }
@@ -120,7 +120,7 @@ impl Look for VxctSettings {
     }
 }
 
-/// A library's modules and this crate's beside them, as `package::vxct::...`.
+/// Adds this crate's modules to a library, as `package::vxct::...`.
 fn library(base: &ShaderLibrary) -> ShaderLibrary {
     let mut library = base.clone();
     library
@@ -216,7 +216,7 @@ struct VxctPasses {
     /// The uploaded draws and lights; `None` once they have changed.
     uploaded: Option<[Buffer; 2]>,
     passes: Option<Passes>,
-    /// Whether the next frame makes the voxels again.
+    /// Whether the next frame renews the voxels.
     is_due: bool,
 }
 

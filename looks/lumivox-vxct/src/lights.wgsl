@@ -1,9 +1,9 @@
-// Lights that fade by a polynomial, if at all.
+// Lights, which fade by a polynomial or not at all.
 
 import package::vxct::material::VxctMaterial;
 
 struct VxctLight {
-    // In the cube; of parallel light the direction towards it, of unit length.
+    // Position in the cube; for parallel light, the unit vector towards it.
     position: vec3f,
     is_parallel: u32,
     // The colour, as a share of white, of a white surface that faces the light, before the light
@@ -12,9 +12,10 @@ struct VxctLight {
     spot_scale: f32,
     // The direction of a spot light.
     spot_direction: vec3f,
-    // A spot's share is (cosine * scale + offset)^2 within 0 to 1; 0 and 1 for others.
+    // A spot's share is (cosine * scale + offset)^2, clamped to 0 to 1; scale 0 and offset 1 for
+    // other lights.
     spot_offset: f32,
-    // Constant, linear, quadratic.
+    // Constant, linear and quadratic coefficient.
     attenuation: vec3f,
     padding: u32,
 }
@@ -25,7 +26,7 @@ struct Arriving {
     // Towards the light.
     direction: vec3f,
     distance: f32,
-    // At the source, and here.
+    // The light's colour at the source, and at the surface.
     sent: vec3f,
     color: vec3f,
 }

@@ -1,5 +1,5 @@
-// The surface's properties in the look: the strengths that its scene gave it, or the nearest
-// equivalent of its material.
+// The surface's properties in the look: strengths given by the scene, or the nearest equivalent of
+// the material.
 
 import package::constants::{VXCT_OF_EMITTER, VXCT_OF_STRENGTHS};
 import package::render::scene::material::material;
@@ -18,13 +18,13 @@ struct VxctDraw {
     kind: u32,
     first_index: u32,
     base_vertex: i32,
-    // Number of triangles in the draws before.
+    // Number of triangles in earlier draws.
     first_triangle: u32,
     // 32-bit words of a vertex's attributes.
     attribute_words: u32,
     // 1: normals point away from the mesh's origin.
     is_rounded: u32,
-    // 0: it is in no voxel.
+    // 0: the draw is in no voxel.
     is_voxelized: u32,
     padding_0: u32,
     padding_1: u32,
@@ -40,7 +40,7 @@ struct VxctMaterial {
     shininess: f32,
     // The factor of mirrored light.
     mirror: vec3f,
-    // Diameter per distance of a cone as wide as the lobe; 0: VXCT's own.
+    // Diameter per distance of a cone as wide as the lobe; 0: VXCT's own width.
     lobe_width: f32,
     // As a share of white.
     emission: vec3f,

@@ -16,7 +16,7 @@ fn main(@builtin(global_invocation_id) cell: vec3u) {
     textureStore(coarse, cell, sum / 8.0);
 }
 
-// Makes a level empty; the finer level is not read.
+// Clears a level; the finer level is not read.
 @compute @workgroup_size(4, 4, 4)
 fn clear(@builtin(global_invocation_id) cell: vec3u) {
     if all(cell < textureDimensions(coarse)) {

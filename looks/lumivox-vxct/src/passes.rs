@@ -17,8 +17,7 @@ use super::VxctUniform;
 use super::records::{Records, Sides};
 use super::voxels::Voxels;
 
-/// Format of the drawn surfaces, before the background is put behind them: display values, which
-/// half floats hold to 1/2000.
+/// Format of the drawn surfaces without background: display values, in half floats to 1/2000.
 const DRAWN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// The layouts that the passes share.
@@ -159,7 +158,7 @@ impl Passes {
         Ok(())
     }
 
-    /// Draws surfaces in the scene's order: transparent ones show what was drawn before.
+    /// Draws surfaces in the scene's order: transparent ones show earlier ones.
     pub(super) fn draw(
         &mut self,
         recorder: &mut Recorder,

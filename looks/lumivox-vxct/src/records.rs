@@ -13,12 +13,12 @@ use super::display::{display_of, mean_radiance, share_of_lamps};
 
 /// `VXCT_OF_OTHERS`: a material that is not VXCT's.
 pub(super) const OF_OTHERS: u32 = 0;
-/// `VXCT_OF_STRENGTHS`: one that is.
+/// `VXCT_OF_STRENGTHS`: a material of VXCT.
 pub(super) const OF_STRENGTHS: u32 = 1;
-/// `VXCT_OF_EMITTER`: one that shows its colour whatever the light.
+/// `VXCT_OF_EMITTER`: a material that shows its colour in any light.
 pub(super) const OF_EMITTER: u32 = 2;
 
-/// VXCT's background in display values, and what looks the same in linear light.
+/// VXCT's background in display values, and its equivalent in linear light.
 const BACKGROUND: [f32; 2] = [0.1, 0.01];
 
 /// `VxctDraw` of `material.wgsl`.
@@ -54,7 +54,7 @@ pub(super) struct VxctLight {
     padding: u32,
 }
 
-/// The look's data of a scene, beyond what is on the GPU already.
+/// The look's data of a scene that are not on the GPU yet.
 #[derive(Clone, Debug)]
 pub(super) struct Records {
     /// The records of the scene's materials.
@@ -103,8 +103,8 @@ impl Records {
         self.lighting.environment.radiance != Vec3::ZERO
     }
 
-    /// Whether the surroundings are added as a light: without lamps the scene would be black, since
-    /// the cones do not see the surroundings.
+    /// Whether the surroundings are added as a light: cones do not see them, so a scene without
+    /// lamps would be black.
     fn needs_sky(&self) -> bool {
         self.lighting.lights.is_empty() && !self.has_display_values && self.has_environment()
     }

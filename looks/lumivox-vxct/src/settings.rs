@@ -1,4 +1,4 @@
-//! Everything that can be set about the look of VXCT: units, ranges, defaults.
+//! Settings of the look of VXCT: units, ranges, defaults.
 
 use lumivox::settings::{Kind, Redoes, Setting, Value};
 
@@ -8,24 +8,24 @@ pub struct ConeShape {
     /// The whole angle, radians, 0.001 to 2. Wider: blurrier, and cheaper.
     pub aperture_rad: f32,
     /// The start of sampling along the cone, in VXCT's units (half the longest edge of the grid's
-    /// box), 0 to 4. Higher passes over what is near; lower lets surfaces see themselves.
+    /// box), 0 to 4. Higher: nearby surfaces are missed. Lower: surfaces see themselves.
     pub offset: f32,
     /// Step as a share of the cone's diameter, 0.001 to 4. Opacity is not corrected for it: finer
     /// steps are darker shadows, and cost more.
     pub distance_factor: f32,
 }
 
-/// Parameters of the look, and the look itself. Of the voxel settings it uses only the resolution,
-/// and it is made for the brightness of [`vxct_display`](crate::vxct_display).
+/// Parameters of the look, and the look itself. Of the voxel settings it uses only the resolution;
+/// it needs the brightness of [`vxct_display`](crate::vxct_display).
 /// [`VxctSettings::for_resolution`] has the defaults; the fields document those for 128 voxels.
 // The switches are those of VXCT's console.
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VxctSettings {
-    /// Whether there are cones at all. If not, Phong's shader shows all of its terms, highlights
-    /// included, without shadows. Default: yes.
+    /// Whether cones are traced. If not, Phong's shader shows all its terms, including highlights,
+    /// without shadows. Default: yes.
     pub indirect_light: bool,
-    /// Whether Phong's terms are there at all. Default: yes.
+    /// Whether any of Phong's terms are shown. Default: yes.
     pub phong: bool,
     /// Phong's ambient term. Default: yes.
     pub phong_ambient: bool,
@@ -57,9 +57,9 @@ pub struct VxctSettings {
     /// How far above the surface, along its normal, diffuse cones begin, in VXCT's units, 0 to 1.
     /// Default: 0.05.
     pub diffuse_origin_offset: f32,
-    /// How fast an occluder casts a full shadow, 0 to 16. Default: 1.5. At the distance d from the
-    /// surface, with the light at the distance D, a sample counts with smoothstep(0, D, strength
-    /// sqrt(d)) of its opacity (VXCT's units). Higher: harder near contacts. 0: no shadows.
+    /// Strength of shadows, 0 to 16. Default: 1.5. At the distance d from the surface, with the
+    /// light at the distance D, a sample counts with smoothstep(0, D, strength sqrt(d)) of its
+    /// opacity (VXCT's units). Higher: harder near contacts. 0: no shadows.
     pub shadow_strength: f32,
     /// How fast reflections fade if a light is off the mirrored direction by an angle a: by (1 - (a
     /// - 0.008 pi shininess) / pi)^falloff for each light, 0 to 16. Default: 3. 0: not at all.

@@ -43,7 +43,7 @@ fn main(@builtin(vertex_index) vertex: u32, @builtin(instance_index) draw: u32) 
     );
 }
 
-// The light that Phong's shader adds for a light.
+// Phong's terms of one light.
 fn phong(
     material: VxctMaterial,
     normal: vec3f,
@@ -60,14 +60,14 @@ fn phong(
     return share * arriving.color;
 }
 
-// The factor of mirrored light for a light that is off the mirrored direction.
+// The factor of mirrored light for a light beside the mirrored direction.
 fn highlight_falloff(direction: vec3f, to_light: vec3f, shininess: f32) -> f32 {
     let angle = acos(clamp(dot(direction, to_light), -1.0, 1.0));
     let off = max(angle - 0.008 * PI * shininess, 0.0) / PI;
     return pow(max(1.0 - off, 1e-6), settings.shininess_falloff);
 }
 
-// Farther than any two points of the cube.
+// Longer than any distance in the cube.
 const BEYOND: f32 = 3.5;
 
 struct Shaded {
@@ -103,7 +103,7 @@ fn shade(material: VxctMaterial, position: vec3f, normal: vec3f, to_camera: vec3
             occlusion = traced.occlusion;
             shaded.samples += traced.samples;
         }
-        // The light of the diffuse cones is dimmed whether shadows are shown or not.
+        // Dims the light of diffuse cones even without shadows.
         shaded.occlusion = min(shaded.occlusion, occlusion);
         let visible = select(1.0, 1.0 - occlusion, has(VXCT_OCCLUSION_CONES));
         let lit = highlight_falloff(mirrored, arriving.direction, material.shininess);
@@ -144,7 +144,7 @@ fn final_color(shaded: Shaded) -> vec3f {
     return shaded.direct + shaded.specular + shaded.diffuse;
 }
 
-// In display values; alpha is the share that covers the earlier fragments.
+// The colour in display values; alpha is the coverage of earlier fragments.
 fn shown_at(fragment: Fragment, samples: PointSamples, point: Point) -> vec4f {
     let draw = vxct_draws[fragment.draw];
     let material = material_of(fragment.draw, samples);
@@ -212,7 +212,7 @@ fn shown_at(fragment: Fragment, samples: PointSamples, point: Point) -> vec4f {
 
 struct Targets {
     @location(0) shown: vec4f,
-    // As the G-buffer has them.
+    // Normals as in the G-buffer.
     @location(1) normals: vec4f,
 }
 

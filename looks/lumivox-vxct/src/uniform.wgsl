@@ -1,4 +1,4 @@
-// The shared data of the passes of the look: its settings, and the place of its cube.
+// The shared data of the look's passes: its settings, and the place of its cube.
 //
 // Positions and lengths are in the cube from -1 to 1 that VXCT's scenes fill. A cell of the voxels
 // is 2 / resolution wide.
@@ -19,9 +19,9 @@ struct VxctUniform {
     // The middle of the cube, and half of its edge, m.
     center_in_world: vec3f,
     unit_m: f32,
-    // The colour where nothing is drawn, as a share of white.
+    // The background's colour, as a share of white.
     background: vec3f,
-    // 1: the scene's surroundings are seen instead.
+    // 1: the scene's surroundings replace the background.
     has_environment: u32,
     diffuse: VxctCone,
     occlusion: VxctCone,

@@ -6,7 +6,7 @@ import package::vxct::material::vxct_draws;
 
 // Three floats a vertex.
 @group(2) @binding(0) var<storage, read> positions: array<f32>;
-// Two floats a vertex, or two pairs of them and four numbers of 16 bits.
+// Per vertex two floats, or four floats and four 16-bit numbers.
 @group(2) @binding(1) var<storage, read> attributes: array<u32>;
 // Normal and tangent, seven floats a vertex.
 @group(2) @binding(2) var<storage, read> frames: array<f32>;

@@ -1,9 +1,8 @@
 // From triangles to lit voxels: each is drawn along the axis that it faces most, and each fragment
 // is a voxel.
 //
-// In VXCT the fragment that is written last stays. Which one that is must not depend on chance: a
-// first pass finds the last triangle of each voxel, and a second pass writes the colour of that
-// triangle.
+// In VXCT the last written fragment stays. To make it deterministic, a first pass finds the last
+// triangle of each voxel, and a second pass writes the colour of that triangle.
 
 import package::constants::VXCT_OF_EMITTER;
 import package::render::scene::point::{is_masked_out, sample_point, Point};
@@ -42,7 +41,7 @@ fn main(@builtin(vertex_index) vertex: u32, @builtin(instance_index) draw: u32) 
     }
     let is_there = vxct_draws[draw].is_voxelized != 0u;
     return Fragment(
-        // All corners at one point out of sight, or seen along the axis.
+        // All corners at one invisible point, or seen along the axis.
         select(vec4f(2.0, 2.0, 0.5, 1.0), vec4f(seen, 0.5, 1.0), is_there),
         position,
         corner.normal,
@@ -90,7 +89,7 @@ fn paint(fragment: Fragment) {
     }
     let material = material_of(fragment.draw, samples);
     let normal = normalize(fragment.normal);
-    // The light of VXCT's own emitters does not get into its voxels.
+    // VXCT does not store the light of its own emitters in voxels.
     let is_own = vxct_draws[fragment.draw].kind == VXCT_OF_EMITTER;
     var light = select(material.emission, vec3f(0.0), is_own);
     for (var index = 0u; index < settings.light_count; index++) {

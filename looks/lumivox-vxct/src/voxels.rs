@@ -1,4 +1,4 @@
-//! The voxels: one texture of a colour and an opacity a cell, and its mips.
+//! The voxels: one texture with a colour and an opacity per cell, and its mips.
 
 use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan};
 use lumivox::gpu::{

@@ -1,6 +1,6 @@
-//! The look's resources on the GPU go when another look is taken, and with the renderer.
+//! The look's GPU resources are freed when another look is chosen, and with the renderer.
 //!
-//! Alone in a program of its own: the count is of the whole process.
+//! In its own program, since resources are counted per process.
 
 #[allow(dead_code, unused_imports)] // The renderer's own tests use the rest.
 #[path = "../../../crates/lumivox-render/tests/it/common/mod.rs"]
@@ -46,7 +46,7 @@ fn the_vxct_look_leaks_no_gpu_resources() {
         picture(&mut changing);
         let now = LiveResources::now();
         assert_eq!(now.textures, held.textures);
-        // Targets that cones were ever traced into keep a uniform.
+        // Targets of cones keep a uniform.
         assert!((held.buffers..=held.buffers + 1).contains(&now.buffers), "{now:?}, not {held:?}");
     }
 }

@@ -44,7 +44,7 @@ def floats(name: str, value: Any, *shapes: Sequence[int | None]) -> Floats:
     """``value`` as a contiguous array of finite 32-bit floats of one of the shapes."""
     array = numbers(name, value, *shapes)
     with np.errstate(over="ignore", invalid="ignore"):
-        # `ascontiguousarray` turns a scalar into an array of one.
+        # `ascontiguousarray` turns a scalar into an array of one number.
         single = np.ascontiguousarray(array, dtype=np.float32).reshape(array.shape)
     finite = np.isfinite(single)
     if not finite.all():

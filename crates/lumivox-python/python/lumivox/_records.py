@@ -26,7 +26,7 @@ class _Vectors:
         self._name = name
 
     def __get__(self, record: Any, owner: type) -> Vector:
-        # Without a record (dataclass reads the field of the class): the default.
+        # dataclass reads the class's field without a record: the default.
         kept: Vector = self._default if record is None else record.__dict__[self._name]
         return kept
 

@@ -96,7 +96,7 @@ def _work(
     failed_starts = 0
 
     def start() -> None:
-        # An actor that does not fit into the cluster yet waits; an autoscaler sees the demand.
+        # An actor waits until it fits into the cluster; an autoscaler sees the demand.
         actor = actor_class.remote(source)
         starting[actor.ready.remote()] = actor
 

@@ -28,8 +28,7 @@ impl Session {
             None => !self.render_view(self.view).await?,
             Some(mut beside) => {
                 let result = beside.advance(self, is_changing).await;
-                // The right side stays, unless it can no longer be shown: then the picture
-                // continues without it.
+                // If the right side can no longer be shown, the picture continues without it.
                 let is_refused = result.as_ref().is_err_and(|error| error.code == Code::Value);
                 self.beside = Some(beside).filter(|_| !is_refused);
                 result?

@@ -147,7 +147,7 @@ impl Session {
     ) -> Result<(), WebError> {
         let view = asked.view;
         let mut tell = tell_of(listener);
-        // A refusal must leave the explorer with the left side's view; the right side starts again.
+        // If the settings are refused, the explorer must keep the left side's view.
         self.start_again();
         self.show_view_of_left()?;
         self.console.explorer.try_settings(asked, preset, &mut tell).await?;

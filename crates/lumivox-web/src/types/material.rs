@@ -183,7 +183,7 @@ impl MaterialChange {
             }
         }
         if material != *present {
-            // Or VXCT's look would not change.
+            // Strengths would hide the change in VXCT's look.
             material.strengths = None;
         }
         Ok(material)

@@ -164,16 +164,17 @@ pub struct FrameReport {
     pub budget_ms: f32,
     /// The picture's width and height as a share of the canvas's: below 1 while something moves and frames are slow.
     pub scale: f32,
-    /// The cone samples of the last frame by pixels; undefined without cones, and unless stages are timed.
-    #[tsify(optional)]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub samples_per_pixel: Option<f32>,
-    /// The frames that the light of a surface is the mean of, on average; undefined without `temporal`, and unless stages are
+    /// Cone samples per pixel in the last frame; undefined without cones, or if stages are not
     /// timed.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples_per_pixel: Option<f32>,
+    /// The average number of frames in the mean light of a surface; undefined without `temporal`,
+    /// or if stages are not timed.
+    #[tsify(optional)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub history_frames: Option<f32>,
-    /// The camera, while it is one of the scene's: an animation may have moved it.
+    /// The camera, if it is one of the scene's: an animation may have moved it.
     #[tsify(optional)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,

@@ -10,7 +10,7 @@ use lumivox::{
 };
 use wgpu::util::{BufferInitDescriptor, DeviceExt as _};
 
-/// A static floor, and one that moves.
+/// A static and a moving floor.
 fn geometry(device: &wgpu::Device) -> Geometry {
     let corners = [[0.0_f32, 0.1, 0.0], [0.0, 0.1, 1.0], [1.0, 0.1, 1.0], [1.0, 0.1, 0.0]];
     let buffer = |contents: &[u8]| {
@@ -45,10 +45,10 @@ fn losing_the_device_mid_frame_does_not_panic() {
                 device.destroy();
             }
             if frame == 8 {
-                // More draws need new buffers, which a lost device does not give.
+                // More draws need new buffers, which a lost device cannot create.
                 geometry.batches[0].draws.extend([Draw::new(0, 6, 0); 40]);
             }
-            // Whatever is recorded after the loss is dropped.
+            // Commands recorded after the loss are dropped.
             let frame_of = Frame::new(&geometry, &lights, &settings);
             let lit = gi.frame(&mut recorder, Frame { geometry: None, ..frame_of });
             recorder.submit();

@@ -1,4 +1,4 @@
-// Adopts the nodes that descend.wgsl has built: the wanted ones, and those that lead to them.
+// Copies the nodes that descend.wgsl has built into the octree: wanted nodes and their ancestors.
 
 import package::classics::locks::descend::WANTED;
 import package::constants::LINEAR_WORKGROUP_SIZE;

@@ -5,8 +5,8 @@
 // one node: it descends from the root, and at a node without children it takes the node's lock,
 // allocates a group of eight and descends further. If another thread has the lock, it does not
 // wait: it adds itself to the list for the next pass. A lock is never released, and a node whose
-// lock is taken has its children at the end of the pass. So every pass brings a deferred thread
-// down by a level at least, and as many passes as there are levels are enough.
+// lock is taken has children at the end of the pass. So every pass brings a deferred thread down by
+// at least one level, and one pass per level is enough.
 
 import package::constants::{COUNT_BLOCK_WORDS, LINEAR_WORKGROUP_SIZE, LOCKS_DEFERRED};
 import package::gpu::dispatch::linear_index;
@@ -18,7 +18,7 @@ import package::voxels::list::Node;
 import package::voxels::morton::{morton_decode, morton_encode};
 
 struct LockPass {
-    // 0 for the first: there the items are all pairs of a cell and one of the eight nodes that may
+    // 0 for the first pass, whose items are all pairs of a cell and one of the eight nodes that may
     // hold it.
     pass_number: u32,
     padding_0: u32,
@@ -28,11 +28,11 @@ struct LockPass {
 
 @group(1) @binding(0) var<uniform> lock_pass: LockPass;
 @group(1) @binding(1) var<storage, read> nodes: array<Node>;
-// The group of each node's children.
+// For each node, the group of its children.
 @group(1) @binding(2) var<storage, read_write> children: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> locks: array<atomic<u32>>;
 @group(1) @binding(4) var<storage, read_write> sites: array<Site>;
-// 0: groups allocated, 1: always zero, then for each pass the threads that it deferred.
+// 0: allocated groups; 1: always zero; from 2: deferred threads of each pass.
 @group(1) @binding(5) var<storage, read_write> counters: array<atomic<u32>>;
 @group(1) @binding(6) var<storage, read> items: array<u32>;
 @group(1) @binding(7) var<storage, read_write> deferred: array<u32>;
@@ -40,13 +40,13 @@ struct LockPass {
 @group(1) @binding(8) var<storage, read> list_counts: array<u32>;
 
 const GROUPS: u32 = 0u;
-// Bits of a lock: a thread has taken it; a thread wanted to create this node.
+// Bits of a lock: a thread has taken the lock; a thread wanted to create the node.
 const TAKEN: u32 = 1u;
 const WANTED: u32 = 2u;
 
 struct Target {
     node_cell: vec3u,
-    // 0: there is none.
+    // 0: no target.
     level: u32,
 }
 
@@ -63,10 +63,10 @@ fn target_of(item: u32) -> Target {
     return Target((cell >> vec3u(1u)) - corner_of(item % 8u), level + 1u);
 }
 
-// The children of a node that had none. Only one thread gets here for a node.
+// Allocates the children of a node. Only one thread per node calls this.
 fn split(node: u32, node_cell: vec3u, level: u32) -> u32 {
     let group = 1u + atomicAdd(&counters[GROUPS], 1u);
-    // A tree that does not fit is not adopted (needs.wgsl).
+    // A tree that does not fit is discarded (needs.wgsl).
     if 8u * group >= tree.slots {
         return NONE;
     }
@@ -78,7 +78,7 @@ fn split(node: u32, node_cell: vec3u, level: u32) -> u32 {
     return group;
 }
 
-// Creates the nodes down to the wanted one; returns whether that exists now.
+// Creates nodes down to the wanted one; returns whether the wanted node exists now.
 fn insert(wanted: Target) -> bool {
     var node = 0u;
     var level = tree.root_level;

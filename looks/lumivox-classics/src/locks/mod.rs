@@ -1,10 +1,10 @@
-//! Builds an octree's nodes by concurrent descent: passes over the deferred threads until none is
-//! left (`descend.wgsl`).
+//! Builds an octree's nodes by concurrent descent, in passes until no thread is deferred
+//! (`descend.wgsl`).
 //!
 //! The first octree builders on GPUs worked like this (Crassin and Green 2012, "Octree-based sparse
-//! voxelization using the GPU hardware rasterizer", OpenGL Insights chapter 22). It is here to be
-//! compared with the numbering by ranks. Both make the same nodes; only here their order depends on
-//! the threads. The nodes are built in separate buffers and adopted at the end (`adopt.wgsl`),
+//! voxelization using the GPU hardware rasterizer", OpenGL Insights chapter 22). It is here for
+//! comparison with the numbering by ranks. Both make the same nodes; only here their order depends
+//! on the threads. The nodes are built in separate buffers and copied at the end (`adopt.wgsl`),
 //! since the octree does not store locks.
 
 use std::sync::Arc;
@@ -25,8 +25,8 @@ use crate::with_modules;
 /// [`lumivox::GiConfig::octree_builder`]. A thread that fails to take a lock tries again in the
 /// next pass. The order of nodes differs in every run, that of bricks does not.
 ///
-/// [`lumivox::OctreeStats::counts`] has `lock_passes`, the number of passes, the last of which
-/// deferred nothing, and `deferred`, the number of threads in all passes that had to try again.
+/// [`lumivox::OctreeStats::counts`] has `lock_passes`, the number of passes including the last,
+/// which deferred nothing, and `deferred`, the number of retries in all passes.
 pub fn locks() -> Arc<dyn OctreeBuilding> {
     Arc::new(Locks)
 }
@@ -80,10 +80,11 @@ struct LockBuilder {
     pass: Kernel,
     adopt: Kernel,
     indirect: Indirect,
-    /// The number of passes, which is enough: a thread is deferred at most once per level, and the
-    /// last pass shows that none is left.
+    /// The number of recorded passes: a thread is deferred at most once per level, and the last
+    /// pass shows that no thread is left.
     passes: u32,
-    /// The groups made, zero, and the threads that each pass has deferred.
+    /// The counters of `descend.wgsl`: allocated groups, zero, and the deferred threads of each
+    /// pass.
     counters: Buffer,
     bound: Option<BoundLocks>,
 }
@@ -253,7 +254,7 @@ impl BoundLocks {
     }
 }
 
-/// The number of passes until nothing was deferred, and of deferred threads, from the counters.
+/// From the counters: the number of passes until nothing was deferred, and of deferred threads.
 ///
 /// # Errors
 /// [`GiError::Device`] if nodes are missing or threads are left over, which would be a bug.
@@ -293,7 +294,7 @@ mod tests {
         assert_eq!(count_passes(&[4, 0, 70, 9, 0], 5).expect("all is there"), (3, 79));
     }
 
-    /// Such a tree would have holes.
+    /// Otherwise the tree would have holes.
     #[test]
     fn leftover_threads_and_missing_groups_are_errors() {
         for (counters, groups, says) in [

@@ -1,4 +1,4 @@
-// Inserts the texels of a light's depth maps into the faces of the voxels that they show.
+// Inserts the texels of a light's depth maps into the faces of the voxels at their depths.
 //
 // Each bundle finds its voxel by the occupancy bits, and is split among the voxel's faces by how
 // much of the beam they cover, max(0, -d . N). Sums are integers, so the order of the threads does
@@ -38,7 +38,7 @@ struct Voxel {
 const NO_VOXEL: u32 = 0xffffffffu;
 
 // Offsets that are tried, in voxels along the beam. A surface on the border of two voxels is in one
-// of them, and rounding may put the texel's point into the other; the smaller step is 50 times the
+// of them, and rounding may move the texel's point into the other; the smaller step is 50 times the
 // rounding of f32 at 1024 voxels. The larger step is for edges that the rasterizer has moved by a
 // fraction of a texel.
 const TRIES: u32 = 5u;
@@ -63,13 +63,13 @@ fn cover(face: u32, direction: vec3f) -> f32 {
     return max(-dot(direction, faces[face].vector_area), 0.0);
 }
 
-// How far in front of a face's plane a point lies, in voxels.
+// The distance of a point in front of a face's plane, in voxels.
 fn lead_of(face: u32, position: vec3f) -> f32 {
     let normal = normalize(faces[face].vector_area);
     return dot(position - faces[face].position_in_world, normal) / grid.voxel_size_m;
 }
 
-// Faces whose planes are as near as this to each other share the arriving light, in voxels.
+// Faces whose planes are at most this far apart, in voxels, share the arriving light.
 const SHARED = 1.0 / 64.0;
 
 // Splits a bundle among the faces of a voxel that it hits: those with the nearest planes.
@@ -102,7 +102,7 @@ fn insert(position: vec3f, voxel: Voxel, direction: vec3f, counts: f32, seed: u3
         let whole = u32(share + dither);
         if whole > 0u {
             atomicAdd(&sums[face].flux, whole);
-            // Integers wrap around, so that adding a negative number takes away.
+            // Integers wrap around, so adding a negative number's bits subtracts.
             let weighted = i32(f32(whole) * clamp(0.5 * lead, -1.0, 1.0));
             atomicAdd(&sums[face].lead, bitcast<u32>(weighted));
         }
@@ -110,7 +110,8 @@ fn insert(position: vec3f, voxel: Voxel, direction: vec3f, counts: f32, seed: u3
     return FATE_KEPT;
 }
 
-// The cross-section of a texel's bundle, m2: per squared metre of distance for perspective layers.
+// The cross-section of a texel's bundle, in m2; for perspective layers, per squared metre of
+// distance.
 fn cross_section(layer: ShadowLayer, texel: vec2u) -> f32 {
     let area = layer.texel_size * layer.texel_size;
     if layer.is_perspective == 0u {
@@ -134,7 +135,7 @@ fn follow(texel: vec2u, layer_in_light: u32) -> u32 {
     let world = photon_map.world_from_clip[layer_in_light] * vec4f(ndc, 1.0);
     let position = world.xyz / world.w;
 
-    // All colours travel together: what follows is for an intensity of one.
+    // The flux is computed for an intensity of one: all colours travel together.
     var light = lights[photon_map.light];
     light.intensity = vec3f(1.0);
     let from_light = position - light.position_in_world;

@@ -3,26 +3,24 @@
 //! This is how Crassin et al. 2011 ("Interactive indirect illumination using voxel cone tracing",
 //! section 5) light their octree. Each texel of a map is a bundle of photons that carries its flux
 //! to the voxel that it shows (`insert.wgsl`); a face then reflects the received flux over its area
-//! (`reflect.wgsl`). In expectation that is the irradiance that the direct evaluation computes face
-//! by face. Its noise depends on the number of texels that see a face, so maps must be fine enough:
-//! a texel of at most half a voxel.
+//! (`reflect.wgsl`). Its expected irradiance is that of the direct evaluation. Its noise depends on
+//! the number of texels that see a face, so texels must be at most half a voxel wide.
 //!
-//! A face that fewer than four texels see is evaluated directly, since it would get all or nothing.
-//! A voxel does not distinguish layers behind each other (a ceiling, and a lamp's black panel below
-//! it): faces are also evaluated directly if light arrives in front of their middle
+//! A face that fewer than four texels see is evaluated directly, since it would get all light or
+//! none. A voxel does not distinguish layers behind each other (a ceiling, and a lamp's black panel
+//! below it), so faces are also evaluated directly if light arrives in front of their middle
 //! (`reflect.wgsl`).
 //!
 //! Advantages over the direct evaluation: a face in half shadow gets the light of its lit part, to
-//! the texel; and the time depends on the number of texels, not of faces.
+//! the texel; the time depends on the number of texels, not of faces.
 //!
 //! Fluxes are summed up as integers, light after light. The sum of a face is bounded:
 //!
-//! - by the light's solid angle, 4 pi for a point light: `incident_light` only takes away from
-//!   there;
-//! - for parallel light by what a voxel shows of the beam, at most sqrt(3) of its sides (a cube
-//!   across its diagonal), and by the texels at the outline: those whose centre falls into an area
-//!   A of perimeter P are at most `A + P d + pi d^2`, d half a texel's diagonal (Steiner's
-//!   formula), all in texels.
+//! - by the light's solid angle, 4 pi for a point light: `incident_light` only reduces the light;
+//! - for parallel light by the voxel's cross-section, at most sqrt(3) of its sides (a cube along
+//!   its diagonal), and by the texels at its outline: at most `A + P d + pi d^2` texels have their
+//!   centres in an area A of perimeter P, where d is half a texel's diagonal (Steiner's formula),
+//!   all in texels.
 //!
 //! `counts_per_flux` maps that bound to 2^31, half of what a word holds.
 
@@ -51,8 +49,7 @@ pub fn photons() -> Arc<dyn Injection> {
     Arc::new(PhotonInjection)
 }
 
-/// The fates of the photons of the last call of [`Gi::light`]: one [`PhotonFates`]. `None` without
-/// photons.
+/// One [`PhotonFates`] for the last call of [`Gi::light`]; `None` without photons.
 pub fn photon_fates(gi: &Gi) -> Option<&Buffer> {
     let injector: &dyn Any = gi.injector()?;
     injector.downcast_ref::<Photons>().map(|photons| &photons.fates)
@@ -61,8 +58,7 @@ pub fn photon_fates(gi: &Gi) -> Option<&Buffer> {
 /// The name of the injection.
 pub const NAME: &str = "photons";
 
-/// Photons scatter with the number of texels that see a voxel's side: two along an edge are the
-/// least.
+/// Noise depends on the texels that see a voxel's side: at least two along an edge.
 const MAX_TEXEL_VOXELS: f32 = 0.5;
 
 #[derive(Debug)]
@@ -129,8 +125,7 @@ struct PhotonMap {
 impl PhotonMap {
     fn new(light: &MappedLight, grid: &Grid) -> Self {
         let mut world_from_clip = [Mat4::IDENTITY; PHOTON_LAYERS];
-        // Photons come from the layers that cover all of the light, not from the finer maps within
-        // them.
+        // Photons come from the layers that cover the whole light, not from finer maps within them.
         let finer = light.layers.iter().filter(|layer| layer.has_finer).count();
         let layers = &light.layers[..light.layers.len() - finer];
         for (inverse, layer) in world_from_clip.iter_mut().zip(layers) {
@@ -147,10 +142,10 @@ impl PhotonMap {
     }
 }
 
-/// The most flux that can come together in a voxel, for an intensity of one.
+/// The maximum flux into a voxel, for an intensity of one.
 fn largest_flux(light: &MappedLight, grid: &Grid) -> f32 {
     let texel = light.layers.first().map_or(0.0, |layer: &ShadowLayer| layer.texel_size);
-    // The area and outline that are seen, and the texels at the outline.
+    // An area with the texels at its outline.
     let with_outline = |area: f32, perimeter: f32| {
         let reach = texel / SQRT_2;
         area + perimeter * reach + PI * reach * reach
@@ -174,15 +169,15 @@ fn largest_flux(light: &MappedLight, grid: &Grid) -> f32 {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PhotonFates {
-    /// Texels that show nothing, or a direction that belongs to another face of a cube.
+    /// Texels without a surface, or whose direction belongs to another face of a cube.
     pub none: u32,
-    /// Inserted into a voxel.
+    /// Bundles inserted into a voxel.
     pub kept: u32,
-    /// Met a side without a face, such as the back of a single-sided wall, which reflects nothing.
+    /// Bundles that met a side without a face, such as the back of a single-sided wall, which
+    /// reflects nothing.
     pub absorbed: u32,
-    /// Met a surface where there is no voxel, or one that a surface only touches: at edges that
-    /// rounding moves over the border of a voxel, at masks that are open in voxels but not in maps,
-    /// or beyond the grid.
+    /// Bundles that met no voxel, or one without faces: at edges that rounding moves into another
+    /// voxel, at masks that are open in voxels but not in maps, or outside the grid.
     pub lost: u32,
 }
 
@@ -216,7 +211,7 @@ impl Photons {
     fn new(parts: &InjectionParts<'_>) -> Result<Self, GiError> {
         let InjectionParts { device, grid, globals, lights, .. } = *parts;
         let shaders = link_into(parts.shaders);
-        // With the volume there would be more storage buffers than WebGPU allows.
+        // The volume's storage buffers would exceed WebGPU's limit.
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let grid_group =
             BindGroupBuilder::new(&grid_layout).buffer(&grid.uniform(device)).build(device, "grid");
@@ -257,7 +252,7 @@ impl Photons {
 
 impl Injector for Photons {
     fn take(&mut self, device: &Pipelines, voxels: &VoxelList) {
-        // The capacity, which stays the same while the list's contents change.
+        // The capacity, since it is constant while the list changes.
         let face_count = voxels.face_capacity();
         if self.list.as_ref().is_some_and(|list| list.faces == voxels.faces) {
             return;

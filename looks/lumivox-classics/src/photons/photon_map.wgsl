@@ -14,8 +14,8 @@ struct PhotonMap {
     light: u32,
     first_layer: u32,
     layer_count: u32,
-    // Integer counts of a flux of one, for a light with an intensity of one: per m2 for parallel
-    // light, per steradian for the others. As large as possible without overflow of any sum
+    // Integer counts per unit of flux, for a light with an intensity of one: per m2 for parallel
+    // light, per steradian for other lights. As large as possible without overflow of a sum
     // (mod.rs).
     counts_per_flux: f32,
 }
@@ -26,7 +26,7 @@ struct PhotonMap {
 struct Taken {
     // The flux, in counts.
     flux: u32,
-    // The flux times how far in front of the face's middle it arrived, in counts times two voxels:
-    // a signed number.
+    // The flux times its distance in front of the face's middle, in counts times two voxels;
+    // signed.
     lead: u32,
 }

@@ -1,12 +1,12 @@
-// Adds the light that faces reflect of their inserted flux, the share that leaves / pi * flux /
-// area, to the light that already leaves them. The sums are reset to zero for the next light.
+// Adds the light that faces reflect of their inserted flux, reflectance / pi * flux / area, to the
+// light that already leaves them. The sums are reset to zero for the next light.
 //
 // A face may consist of layers behind each other, such as a ceiling and a lamp's black panel below
 // it. The ceiling's share of the face must not reflect the light that the panel receives: a turned
-// Cornell box was 29 % too bright. Such light arrives in front of the face's middle, while on a
-// plane it arrives level with it. Faces on which it leads by more than LEAD are evaluated directly,
-// by what reaches their middle. So are faces that the map shows in fewer than LEAST_TEXELS: slivers
-// at the corners of voxels, which get a texel or none.
+// Cornell box was 29 % too bright. Such light arrives in front of the face's middle; on a single
+// plane it arrives level with the middle. Faces whose light leads by more than LEAD are evaluated
+// directly, at their middle. So are faces that fewer than LEAST_TEXELS see: slivers at voxels'
+// corners, which get one texel or none.
 
 import package::constants::{LINEAR_WORKGROUP_SIZE, PI};
 import package::gpu::dispatch::linear_index;
@@ -21,11 +21,11 @@ import package::voxels::list::Face;
 @group(1) @binding(2) var<storage, read_write> sums: array<Taken>;
 @group(1) @binding(3) var<storage, read_write> direct: array<vec4f>;
 
-// A 32nd of a voxel, as `Taken` counts it: a hidden layer half a voxel behind that makes up a
+// A 32nd of a voxel, in the unit of `Taken`: as for a hidden layer half a voxel behind with a
 // sixteenth of the face.
 const LEAD: f32 = 0.015625;
 
-// Two along an edge: as many as a whole side has in the coarsest map that is allowed.
+// Two along an edge: as on a whole side in the coarsest allowed map.
 const LEAST_TEXELS: f32 = 4.0;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)

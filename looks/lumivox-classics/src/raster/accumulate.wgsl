@@ -1,4 +1,4 @@
-// Adds the fragments to their faces, as the exact walk does (voxelize/accumulate.wgsl).
+// Adds fragments to their faces, as the exact walk does (voxelize/accumulate.wgsl).
 
 import package::voxelize::accumulate::{add_piece, summing_begin};
 import package::classics::raster::fragment::{IS_CONSERVATIVE, fragment_begin, fragment_on, piece_of};

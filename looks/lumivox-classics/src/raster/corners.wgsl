@@ -2,8 +2,8 @@
 // grid seen along an axis, in walk order (footprint.wgsl), with the column (u, v) at the pixel
 // (u, v).
 //
-// Vertices are pulled from storage buffers by their number. Corners are the same bits in all three
-// walks, so that these see the same fragments.
+// Vertices are pulled from storage buffers by number. Corners have the same bits in all three
+// walks, so that all see the same fragments.
 
 import package::constants::{RASTER_CONSERVATIVE, RASTER_METHOD, RASTER_THREE_PLANE};
 import package::grid::grid;
@@ -15,7 +15,7 @@ import package::voxelize::triangles::load_triangle;
 struct Corner {
     @invariant @builtin(position) position: vec4f,
     @location(0) @interpolate(flat) triangle: u32,
-    // The axis along which it is seen.
+    // The axis along which the triangle is drawn.
     @location(1) @interpolate(flat) axis: u32,
 }
 
@@ -25,7 +25,7 @@ fn clip_position(column: vec2f) -> vec4f {
     return vec4f(column.x / edge * 2.0 - 1.0, 1.0 - column.y / edge * 2.0, 0.5, 1.0);
 }
 
-// The instance is the plane to draw on if there are three.
+// With three planes, the instance is the plane to draw on.
 @vertex
 fn main(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
     let index = vertex / 3u;

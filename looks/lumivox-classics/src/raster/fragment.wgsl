@@ -32,8 +32,8 @@ fn point_at(pixel: vec2f, triangle: Triangle, normal: vec3f, axis: u32) -> vec3f
 // Largest error of a plane's depth that only rounding causes, in voxels.
 const LARGEST_UNCERTAINTY = 1.0 / 1024.0;
 
-// Axes to which a plane is closer to parallel than this slope do not count: corners are rounded to
-// a raster of 1/256, which then decides in which voxel such an axis meets the plane.
+// Axes closer to parallel to the plane than this slope do not count: corners are rounded to a
+// raster of 1/256, and rounding would decide in which voxel such an axis meets the plane.
 const GRAZING = 1.0 / 256.0;
 
 // The area that a fragment represents, seen along the dominant axis.
@@ -49,7 +49,7 @@ fn area_of(normal: vec3f, axis: u32, point: vec3f) -> f32 {
     }
     let size = abs(normal);
     let least = GRAZING * max(size.x, max(size.y, size.z));
-    // Distance of the plane from the voxel's middle, times the normal's length.
+    // Distance from the plane to the voxel's middle, times the normal's length.
     let apart = abs(dot_fused(normal, floor(point) + 0.5 - point));
     var count = 1.0;
     for (var other = 0u; other < 3u; other++) {
@@ -59,9 +59,9 @@ fn area_of(normal: vec3f, axis: u32, point: vec3f) -> f32 {
 }
 
 struct Fragment {
-    // Whether there is a voxel; the walk is at the first one.
+    // Whether the fragment has a voxel; the walk is then at its first one.
     is_there: bool,
-    // The surface that it represents, if that does not depend on the voxel.
+    // The surface that the fragment represents, if it does not depend on the voxel.
     piece: Piece,
 }
 
@@ -70,7 +70,7 @@ fn fragment_begin(walk: ptr<function, Walk>, position: vec2f, index: u32, axis: 
     let area = footprint(triangle);
     let normal = turn_back(area.normal, area.axis);
     let pixel = floor(position) + 0.5;
-    // In the order of the walk, which is along the dominant axis.
+    // In the walk's axes, along the dominant axis.
     var point = vec3f(pixel, 0.0);
     var stands_for = 0.0;
     if !IS_CONSERVATIVE {
@@ -94,8 +94,8 @@ fn fragment_begin(walk: ptr<function, Walk>, position: vec2f, index: u32, axis: 
     return Fragment(is_there, Piece(stands_for, point - vec3f((*walk).base)));
 }
 
-// Whether the current voxel counts as touched. A sliver's plane is uncertain by rounding, and its
-// range of depth may be all of its box: there the edges seen along the two other axes decide, as in
+// Whether the current voxel counts as touched. Rounding makes a sliver's plane uncertain, and its
+// range of depth may be its whole box: then the edges seen along the two other axes decide, as in
 // the exact walk.
 fn is_touched(walk: ptr<function, Walk>, tests: SideTests) -> bool {
     let uncertainty = (*walk).widening - 0.5 * (abs((*walk).slope.x) + abs((*walk).slope.y));

@@ -29,7 +29,7 @@ fn opaque(
     }
 }
 
-// Surfaces that let light through: voxels in which nothing is left of them stay free.
+// Surfaces that let light through: voxels without any remaining surface stay free.
 @fragment
 fn covered(
     @builtin(position) position: vec4f,

@@ -1,12 +1,11 @@
 //! Voxelization by the hardware rasterizer: each fragment represents one voxel, or a few of its
 //! column.
 //!
-//! This is how voxel cone tracing was done at first (Crassin and Green 2012, OpenGL Insights,
-//! chapter 22). It is here to be compared with the exact walk, and shares everything with it except
-//! how voxels are found: the same three walks, the same bits and integer sums, the same list.
-//! Corners are pulled from storage buffers, since there is no geometry shader that could choose the
-//! plane or widen a triangle. The picture has a pixel for each column of voxels, and nothing is
-//! drawn into it.
+//! The first voxel cone tracers worked like this (Crassin and Green 2012, OpenGL Insights, chapter
+//! 22). It is here for comparison with the exact walk, and differs from it only in how voxels are
+//! found: the same three walks, the same bits and integer sums, the same list. Corners are pulled
+//! from storage buffers, since WebGPU has no geometry shader to choose the plane or widen a
+//! triangle. The picture has a pixel for each column of voxels, and stays empty.
 
 use lumivox::gpu::pipelines::{DrawPipeline, DrawPlan, Shader};
 use lumivox::gpu::{Pipelines, Recorder, ShaderError, ShaderLibrary, Texture, TextureView};
@@ -30,7 +29,7 @@ const MODULES: &[(&str, &str)] = &[
 /// Format of the render target that WebGPU requires: one byte per pixel, never written.
 const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
 
-/// The rasterizer's ways from triangles to voxels, as [`lumivox::GiConfig::voxelizer`].
+/// Methods of the rasterizer to voxelize triangles, for [`lumivox::GiConfig::voxelizer`].
 ///
 /// They miss voxels or find too many, and the surface in a voxel is an estimate. All depend only on
 /// the grid, never on the viewer. See `docs/voxelizers.md`.
@@ -44,13 +43,13 @@ pub enum Raster {
     /// and Ohlsson 2005; Crassin and Green 2012). Misses nothing; the area covered in a pixel is
     /// exact, its distribution along the depth is an estimate.
     Conservative,
-    /// The triangle is drawn along all three axes, at pixel centres only: less falls between them.
-    /// The three planes share one area.
+    /// The triangle is drawn along all three axes, at pixel centres only: less falls between the
+    /// centres. The three planes share one area.
     ThreePlane,
 }
 
 impl Raster {
-    /// All ways.
+    /// All methods.
     pub const ALL: [Self; 3] = [Self::DominantAxis, Self::Conservative, Self::ThreePlane];
 
     /// The name in lower case, as on the command line.
@@ -101,7 +100,7 @@ impl Voxelization for Raster {
                 entries.map(|entry| pipeline(device, groups, &corners, &fragments, entry));
             Ok::<_, ShaderError>([uniform?, varied?, pierced?])
         };
-        // These steps do not read opaque surfaces, so all of these share one pipeline.
+        // These steps do not read opaque surfaces, so all opaque surfaces share one pipeline.
         let by_holes = ["opaque", "opaque", "covered"];
         let again = ["opaque_again", "opaque_again", "covered_again"];
         let by_detail = ["plain", "varied", "pierced"];
@@ -118,7 +117,7 @@ impl Voxelization for Raster {
 /// The pipelines of a walk, one for each [`lumivox::hooks::Detail`].
 type Variants = [DrawPipeline; 3];
 
-/// The pipelines of one way.
+/// The pipelines of one method.
 #[derive(Debug)]
 struct RasterWalker {
     mark: Variants,

@@ -1,4 +1,4 @@
-// Adds the fragments' planes, and how much surface they have, to each voxel.
+// Adds the fragments' planes and areas to each voxel.
 
 import package::voxelize::planes::{FIRST, SECOND, add_piece, lobe_bits, pieces};
 import package::classics::raster::fragment::{fragment_begin, fragment_on, piece_of};

@@ -3,15 +3,14 @@
 // A touched pixel may be covered only in part; counting it as a whole would let a triangle that
 // touches a corner weigh as much as one that fills the voxel. The covered area and its centroid
 // follow from the boundary integrals of piece.wgsl, without the cut to a slab of depth. Each voxel
-// of the column gets the share of them that it has of the plane's depth over the pixel, cut to the
+// of the column gets the same share of them as of the plane's depth over the pixel, cut to the
 // triangle's box. So the areas of a triangle's fragments add up to its own; the shares are exact if
 // the pixel is covered as a whole, and an estimate if an edge crosses it.
 
 import package::voxelize::piece::{Piece, integrals};
 import package::voxelize::walk::Walk;
 
-// Below this, two steps of the depth's distribution are too close for the difference of their
-// integrals.
+// A `narrow` below this counts as 0: the difference of two nearly equal integrals would be inexact.
 const SMALLEST_SLOPE = 1.0 / 1024.0;
 
 // The integral of clamp(x / width + 0.5, 0, 1).
@@ -70,7 +69,7 @@ fn share_of_pixel(walk: ptr<function, Walk>) -> Piece {
     let box_high = clamp(most, corner, corner + 1.0);
     let is_whole = all(least.xy >= corner.xy) && all(most.xy <= corner.xy + 1.0);
 
-    // Relative to a point near the piece: the integrals of a tiny piece are then sums of tiny
+    // Relative to a point near the piece, so that a tiny piece's integrals are sums of tiny
     // numbers.
     let origin = box_low.xy;
     let low = corner.xy - origin;
@@ -92,7 +91,7 @@ fn share_of_pixel(walk: ptr<function, Walk>) -> Piece {
         covered = min(min(sum.x, whole_area), 1.0);
         uv = origin + sum.yz / sum.x;
     }
-    // Moved within the plane, straight up or down it, to the voxel's part.
+    // Move the point within the plane, straight up or down, to the voxel's part.
     let part = part_of_depth(walk);
     let slope = (*walk).slope;
     uv += slope * (part.offset / max(dot(slope, slope), 1e-30));

@@ -1,14 +1,14 @@
 // Conservative rasterization without hardware for it: a triangle whose edges are shifted outwards
 // covers the centre of every pixel that the triangle itself touches (Hasselgren, Akenine-Möller and
 // Ohlsson 2005, "Conservative rasterization", GPU Gems 2, chapter 42; Crassin and Green 2012,
-// OpenGL Insights, chapter 22). Beyond its acute corners it covers more, which the fragments cut
-// off at the triangle's box.
+// OpenGL Insights, chapter 22). At acute corners it covers more, which fragments cut off at the
+// triangle's box.
 
 import package::voxelize::footprint::Footprint;
 
-// A square with half an edge of 0.5 reaches that far along any direction. Rasterizers move corners
-// to a raster of at least 4 bits below the pixel, so by up to 1/32 along u and v; twice that is
-// added. Pixels that are added by this fail the fragments' own test of the edges.
+// Half a pixel, plus a margin: rasterizers round corners to at least 4 bits below the pixel, by up
+// to 1/32 along u and v; twice that is added. Pixels added by the margin fail the fragments' own
+// test of the edges.
 const HALF_PIXEL = 0.5 + 1.0 / 16.0;
 
 // Farther out than this, in voxels, a corner is clipped with rounding errors of more than 2^-11
@@ -47,8 +47,8 @@ fn widened(a: vec2f, b: vec2f, c: vec2f, area: Footprint, number: u32) -> vec2f 
         let other = select(shifted_c.position, shifted_b.position, number == 1u);
         return select(other, shifted_a.position, number == 0u);
     }
-    // All pixels of its box: the box is half of a triangle with legs of twice its edges. The
-    // fragments test which pixels are touched.
+    // All pixels of the box: a right triangle with legs of twice the box's edges contains it.
+    // Fragments test which pixels are touched.
     let low = vec2f(area.first.xy) - 1.0;
     let size = vec2f(area.last.xy - area.first.xy) + 3.0;
     return low + 2.0 * size * vec2f(f32(number == 1u), f32(number == 2u));

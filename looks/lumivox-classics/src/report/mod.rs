@@ -1,8 +1,8 @@
 //! The cones of the sparse voxel octree report, with the constants that make its look
 //! (docs/looks.md).
 //!
-//! Each departure is a setting of its own, whose default is the physics ([`ReportCones`]). The
-//! values are a uniform of the model, so they can change while a picture is shown.
+//! Each departure from the physics is a setting, off by default ([`ReportCones`]). The values are a
+//! uniform of the model, so they can change while a picture is shown.
 
 use std::any::Any;
 use std::sync::Arc;
@@ -22,12 +22,11 @@ pub struct ReportCones {
     /// offset applies, and light leaks along walls.
     pub clear_of_walls: bool,
     /// Share of a sample's radiance that is lost per cone width, in longest sides of the grid, 0 to
-    /// 64. 0 is the physics: radiance does not change with distance. Higher: darker, most of all
-    /// what wide cones see from afar.
+    /// 64. 0 is the physics: radiance does not change with distance. Higher: darker, mostly
+    /// far samples of wide cones.
     pub width_attenuation: f32,
-    /// Factor of a sample's radiance for each level above the finest, 1 to 8. 1 is the
-    /// physics. Higher: brighter where coarse levels are read, up to what they would give if they
-    /// were full.
+    /// Factor of a sample's radiance for each level above the finest, 1 to 8. 1 is the physics.
+    /// Higher: brighter where coarse levels are read, up to the radiance of full cells.
     pub level_gain: f32,
 }
 
@@ -42,7 +41,7 @@ impl ReportCones {
     pub const REPORT: Self =
         Self { jitter: false, clear_of_walls: false, width_attenuation: 1.0, level_gain: 8.0 };
 
-    /// The settings of all cones that go with [`Self::REPORT`].
+    /// The cones' other settings for [`Self::REPORT`].
     pub fn trace_settings() -> TraceSettings {
         TraceSettings {
             voxel_per_diameter: 1.0,
@@ -108,7 +107,7 @@ impl ReportCones {
     ];
 }
 
-/// Defaults of a row: the voxels' light is gathered by the same cones as the picture's.
+/// Defaults of a row: the same cones gather the light of voxels and picture.
 const ROW: Setting<ReportCones> = Setting { redoes: Redoes::Light, ..Setting::ROW };
 
 /// The value as a number; NaN if it is of another kind.

@@ -6,8 +6,8 @@
 import package::cones::hemisphere::inner_ring;
 import package::cones::start::clear_of_walls;
 
-// A cone that is not drawn at random points at the middle of its cell, or along the normal if it is
-// the only one in the inner ring.
+// A cone without random draw points at the middle of its cell, or along the normal if it is the
+// inner ring's only cone.
 fn place_in_cell(drawn: vec2f, cell: u32, cell_count: u32, values: vec4f) -> vec2f {
     let middle = vec2f(select(0.5, 0.0, cell == 0u && inner_ring(cell_count) == 1u), 0.5);
     return select(middle, drawn, values.z != 0.0);
@@ -23,7 +23,7 @@ fn start_of_cones(above: vec3f, normal: vec3f, level: u32, values: vec4f) -> vec
     return select(above, clear_of_walls(above, normal, level), values.w != 0.0);
 }
 
-// Brightens coarse levels, up to what a full cell would give, and dims wide cones.
+// Brightens coarse levels, up to a full cell's radiance, and dims wide cones.
 fn shown_share(taken: f32, transmittance: f32, level: u32, width: f32, values: vec4f) -> f32 {
     let gain = exp2(f32(level) * values.y);
     let gained = min(taken * gain, max(transmittance, taken));

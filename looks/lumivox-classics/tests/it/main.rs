@@ -1,4 +1,4 @@
-//! The classics against closed forms, definitions and Lumivox's own ways.
+//! The classics against closed forms, definitions and Lumivox's own methods.
 
 mod locks;
 mod photons;

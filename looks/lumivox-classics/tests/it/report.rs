@@ -1,4 +1,4 @@
-//! The report's cones against Lumivox's own, and what they show against its definition.
+//! The report's cones against Lumivox's own, and their radiance against its definition.
 
 #![allow(clippy::float_cmp)] // Equal to the bit is the claim.
 
@@ -15,9 +15,8 @@ use lumivox_classics::report::ReportCones;
 
 use crate::testing::{SceneBuilder, device, lambert, read};
 
-/// A room with a lamp in it, since what shines by itself is drawn by Lumivox and found by a model's
-/// cones; its faces' radiance, first with the values of its model and then with
-/// others.
+/// The radiance of a room's faces, with the values of the model and then with other values. A lamp
+/// lights the room, since Lumivox samples emitters, and a model's cones find them.
 fn radiance(cones: Option<Arc<dyn ConeModel>>, others: Option<ReportCones>) -> Vec<[f32; 4]> {
     let (device, queue) = device();
     let (low, high) = (Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9));
@@ -48,7 +47,7 @@ fn radiance(cones: Option<Arc<dyn ConeModel>>, others: Option<ReportCones>) -> V
     read(&device, &queue, gi.face_radiance().expect("there is light"), count)
 }
 
-/// Cones that march, and all that their samples take is seen.
+/// Cones that march, and show all light of their samples.
 #[derive(Debug)]
 struct Plain;
 
@@ -110,8 +109,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         shown_share(sample.x, sample.y, u32(sample.z), sample.w, vec4f(VALUES));
 }";
 
-/// Gained by the level, up to what is left, and dimmed by the width; a surplus is paid back without
-/// a gain.
+/// The level amplifies a share, up to the remaining one; the width dims it; a surplus is returned
+/// without gain.
 #[test]
 fn shares_are_amplified_by_level_and_dimmed_by_width() {
     let cones = ReportCones { width_attenuation: 0.5, level_gain: 4.0, ..ReportCones::default() };

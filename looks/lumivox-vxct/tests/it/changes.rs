@@ -1,4 +1,4 @@
-//! The look among other settings: what it leaves behind when it goes, and what goes with it.
+//! The look among other settings: switching it leaves nothing behind.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ fn vxct(change: impl FnOnce(&mut VxctSettings)) -> Arc<dyn Look> {
     Arc::new(vxct)
 }
 
-/// Whatever comes before, the picture is the one that a new renderer makes, and so is the memory.
+/// After any settings, picture and memory equal those of a new renderer.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn switching_the_look_matches_a_fresh_renderer() {
@@ -39,7 +39,7 @@ fn switching_the_look_matches_a_fresh_renderer() {
         |s| s.view = View::Voxels,
         |s| s.voxel_level = 2,
         |s| s.look = None,
-        // Another volume, without the cells that the last one keeps.
+        // A new volume, without the cells that the old one keeps.
         |s| (s.view, s.voxel_level, s.resolution) = (View::Final, 0, 40),
         |s| (s.look, s.bounces) = (Some(vxct(|_| {})), 0),
     ];

@@ -22,7 +22,7 @@ use crate::common::{builtin, gpu, picture, renderer};
 
 const SIZE: UVec2 = UVec2::new(48, 36);
 
-/// The cube that VXCT's scenes are in.
+/// The cube of VXCT's scenes.
 const CUBE: Bounds = Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE };
 
 fn look(vxct: VxctSettings) -> RenderSettings {
@@ -43,7 +43,7 @@ fn usual() -> VxctSettings {
     VxctSettings::for_resolution(64)
 }
 
-/// Only what Phong's formula has.
+/// Only the terms of Phong's formula.
 fn phong_alone() -> VxctSettings {
     VxctSettings { diffuse: false, specular: false, shadows: false, ..usual() }
 }
@@ -192,14 +192,14 @@ fn a_lit_surface_follows_the_phong_formula() {
     let sum: Vec3 = missing.iter().sum();
     assert!((sum - whole).abs().max_element() < 2e-3, "{missing:?} are not {whole}");
     assert_eq!(without(|s| s.phong = false), Vec3::ZERO);
-    // Without indirect light there are all of them, whatever the switches say.
+    // Without indirect light all terms are shown, regardless of the switches.
     let plain = without(|s| *s = VxctSettings { indirect_light: false, phong: false, ..*s });
     assert!((plain - whole).abs().max_element() < 1e-6, "{plain} is not {whole}");
 }
 
 #[test]
 fn lamps_of_other_scenes_use_vxct_attenuation() {
-    // 5 cd, 2 m above a white floor of 8 m: a unit is 4 m, and the lamp half of it away.
+    // 5 cd, 2 m above a white floor of 8 m: a unit is 4 m, so the lamp is half a unit away.
     let mut scene = Scene { name: "hall".to_owned(), ..Scene::default() };
     add_square(&mut scene, Vec3::ZERO, UP, 4.0, Material::diffuse("white", Vec3::ONE));
     scene.lights.push(Light {
@@ -234,8 +234,8 @@ fn display_values_are_not_tone_mapped() {
     assert_eq!((display.exposure, display.tone_map), (Exposure::Stops(0.0), ToneMap::Raw));
 }
 
-/// Only surfaces that turn their front to the camera are there, even if both sides are surfaces for
-/// the physical look; a mirroring matrix shows the inside.
+/// Only surfaces that face the camera are drawn, even if the physical look shows both sides; a
+/// mirroring matrix shows the inside.
 #[test]
 fn only_front_faces_are_drawn() {
     let mut scene = floor(0.0, matte(), vxct_light(Vec3::Y, Vec3::ONE));
@@ -255,7 +255,7 @@ fn only_front_faces_are_drawn() {
 
     let mirror = glam::Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
     scene.instances[0].world_from_local = mirror;
-    // As loaders wind what is mirrored, so that fronts stay fronts.
+    // Loaders reverse the winding of mirrored meshes, so that fronts stay fronts.
     scene.meshes[0].indices = vec![0, 2, 1, 0, 3, 2];
     assert!(seen(&scene));
     scene.cameras = vec![from_above];
@@ -279,8 +279,8 @@ fn suns_light_with_their_own_irradiance() {
     }
 }
 
-/// Emitters in a scene that was not made for VXCT are in its voxels; a scene lit only by its
-/// surroundings is not black.
+/// In a scene that was not made for VXCT, emitters are in the voxels; if only its surroundings
+/// light it, it is not black.
 #[test]
 fn scenes_not_made_for_vxct_are_lit() {
     let mut scene = floor(-1.0, Material::diffuse("white", Vec3::ONE), Light::default());

@@ -2,7 +2,7 @@
 //!
 //! `tests/vxct` has what VXCT (2019-10-07, 64 voxels, on a software GPU) showed of
 //! `scenes/cornell.scene` and `scenes/gallery.scene`, from its start camera and its positions 1 and
-//! 2, with one component or another: pictures of 640x360, each 2x2 pixels averaged.
+//! 2, with different components: pictures of 640x360, each 2x2 pixels averaged.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -18,13 +18,13 @@ use lumivox_vxct::{VxctSettings, vxct_display};
 use crate::common::kept::MAX_MEAN_CODES;
 use crate::common::{builtin, camera, gpu, picture, renderer};
 
-/// Mean absolute difference of a channel that is allowed, of 255.
+/// Maximum mean absolute difference per channel, of 255.
 const MOST: f64 = 3.0;
 
 /// The size of VXCT's pictures before averaging.
 const SIZE: UVec2 = UVec2::new(640, 360);
 
-/// The console's settings when a picture was taken.
+/// The console's settings for a picture.
 fn settings(what: &str) -> RenderSettings {
     let usual = VxctSettings::for_resolution(64);
     let nothing =
@@ -98,7 +98,7 @@ fn strip(theirs: &RgbImage, ours: &RgbImage) -> RgbImage {
     })
 }
 
-/// One above the other.
+/// Stacks pictures vertically.
 fn stack(strips: &[RgbImage]) -> RgbImage {
     let (width, height) = strips[0].dimensions();
     RgbImage::from_fn(width, height * strips.len() as u32, |x, y| {
@@ -106,7 +106,7 @@ fn stack(strips: &[RgbImage]) -> RgbImage {
     })
 }
 
-/// Every component, and three places.
+/// Every component, from three places.
 #[test]
 #[ignore = "slow: twelve pictures of 640x360 pixels"]
 fn box_pictures_match_vxct() {
@@ -120,7 +120,7 @@ fn gallery_pictures_match_vxct_at_release() {
     compare("gallery");
 }
 
-/// Holds all pictures of a scene against the program's.
+/// Compares all pictures of a scene with the program's.
 fn compare(name: &str) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vxct");
     let mut failures = Vec::new();

@@ -1,12 +1,11 @@
-//! The device of the tests: the adapter that wgpu finds, with WebGPU's default limits, so that what
-//! passes here runs in a browser. No adapter is a failure.
+//! The device of the tests: the adapter that wgpu finds, with WebGPU's default limits, so that
+//! tested code runs in browsers. Without an adapter tests fail.
 
 use std::sync::OnceLock;
 
 use lumivox::gpu::Pipelines;
 
-/// The device of all tests of this program, and the pipelines that they share: each is linked and
-/// compiled once.
+/// The device of all tests of this program, and shared pipelines: each is linked and compiled once.
 ///
 /// # Panics
 /// When there is no adapter: run the tests through `./test`, which installs a software driver.

@@ -19,11 +19,10 @@ fn a_face_records_the_covered_part_of_its_voxel() {
     assert_is(wall, WALL, 8.6, "the wall");
     assert!((panel.emission[0] - 8.0).abs() < 1e-3, "{panel:?}");
     assert!((panel.vector_area[1] + 0.25).abs() < 1e-3, "{panel:?}");
-    // The lower halves of x and z, each with the part that the border touches.
+    // The lower halves of x and z, and the next bit, which the border touches.
     assert_eq!([panel.profiles[0], panel.profiles[1]], [0x1ffff; 2], "{panel:?}");
     assert_eq!([panel.mask_low, panel.mask_high], [0x1f1f_1f1f, 0x1f], "{panel:?}");
-    // A diagonal from corner to corner of the quarter: u + v up to a half, u - v up to a quarter to
-    // both sides.
+    // The quarter's diagonals: u + v up to a half, u - v up to a quarter to both sides.
     assert_eq!(panel.profiles[2], 0x1ffff, "{panel:?}");
     assert_eq!(panel.profiles[3] & 0xff, 0x80, "{panel:?}");
 }
@@ -53,7 +52,7 @@ fn static_and_dynamic_surface_get_separate_faces() {
         for gap in [0.0, 0.1] {
             let layers = Layers { is_static, ..Layers::new(8.9, gap, (0.0, EDGE)) };
             let mut faces = middle_faces(&layers.voxelize(&lab), DOWN);
-            // In one place the order is that of the shares.
+            // At equal heights faces are in the order of shares.
             faces.sort_by(|a, b| b.emission[0].total_cmp(&a.emission[0]));
             assert_eq!(faces.len(), 2, "{is_static:?}: {faces:?}");
             assert_is(&faces[0], PANEL, 8.9 - gap, &format!("{is_static:?}"));

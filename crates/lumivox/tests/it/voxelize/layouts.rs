@@ -1,4 +1,5 @@
-//! Vertices and indices as they lie in engines' buffers give the bits of tightly packed ones.
+//! Vertices and indices in the layouts of engines' buffers give the same bits as tightly packed
+//! ones.
 
 use glam::Mat4;
 use lumivox::{Geometry, GeometryBatch, GiError, Indices, SurfaceMaterial, VertexPositions};
@@ -56,7 +57,7 @@ fn every_vertex_layout_voxelizes_to_equal_bits() {
         let layout = format!("stride {stride}, offset {offset}, {format:?} after {before}");
         assert!(found.bits() == expected.bits(), "{layout}");
 
-        // A draw of only the second half, by its place among the indices.
+        // A draw of only the second half, by first index.
         let half = |geometry: &Geometry| {
             let mut geometry = geometry.clone();
             let draw = &mut geometry.batches[0].draws[0];

@@ -46,9 +46,8 @@ fn a_texture_of_the_voxels_size_is_read_where_it_is() {
     let faces = columns(&lab, &wall().geometry(&lab.device, material));
     assert_eq!(faces.len(), 64);
     for ([x, y], face) in faces {
-        // In the diagonal's voxels there are two pieces, off the texel's centre towards the
-        // corners; what they miss on the one side they have on the other. The border texels wrap
-        // around.
+        // The diagonal's voxels have two pieces, off the texel's centre towards the corners; their
+        // errors cancel. Border texels wrap around.
         if [x, y].iter().any(|i| [4, 11].contains(i)) {
             continue;
         }
@@ -128,7 +127,7 @@ fn materials_with_and_without_textures_mix() {
         ..Default::default()
     };
     let mut geometry = Geometry::new(Vec::new(), vec![textured, red, green]);
-    // One batch whose draws take turns with the materials; each wall in a layer of its own.
+    // One batch whose draws alternate between materials; each wall in its own layer.
     let mut batch = wall().batch(&lab.device, 0);
     let whole = batch.draws[0];
     batch.draws = (0..6)
@@ -153,7 +152,7 @@ fn materials_with_and_without_textures_mix() {
         assert!(error < 1e-5, "{z}: {face:?}");
         let error = (Vec3::from(face.reflectance) - reflectance).abs().max_element();
         assert!(error < 1e-5, "{z}: {face:?}");
-        // Relative to the largest emission, 300, of which the sums hold some 2^-24.
+        // Relative to the largest emission, 300; sums resolve about 2^-24 of it.
         let error = (Vec3::from(face.emission) - emission).abs().max_element();
         assert!(error < 1e-3, "{z}: {face:?}");
         seen += 1;
@@ -161,8 +160,8 @@ fn materials_with_and_without_textures_mix() {
     assert_eq!(seen, 6 * 64);
 }
 
-/// Positions of the square's corners, two sets of coordinates and a colour, laid out as an engine
-/// might: the colour first, then something of the engine's own, then the second set and the first.
+/// Positions of the square's corners, two sets of coordinates and a colour, in a layout as of an
+/// engine: the colour, data of the engine's own, the second set, the first set.
 fn interleaved(lab: &Lab, second: [Vec2; 4], colors: [[u16; 4]; 4]) -> lumivox::VertexAttributes {
     let first = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
     let words: Vec<u32> = (0..4)
@@ -210,7 +209,7 @@ fn every_texture_has_coordinates_and_a_transform_of_its_own() {
     assert_eq!(faces.len(), 64);
     let texel = |x: u32, y: u32| Vec3::new(x as f32 * 30.0, y as f32 * 30.0, 7.0) / 255.0;
     for ([x, y], face) in faces {
-        // Where the coordinates wrap around, two ends of the image mix.
+        // At wrapped coordinates, two ends of the image mix.
         if [x, y].iter().any(|i| [4, 11].contains(i)) {
             continue;
         }
@@ -254,7 +253,7 @@ fn colours_of_vertices_multiply_reflectance_and_alpha() {
         geometry.batches[0].attributes = Some(attributes);
         for ([x, y], face) in columns(&lab, &geometry) {
             let (u, v) = ((x as f32 - 3.5) / 8.0, (y as f32 - 3.5) / 8.0);
-            // Two pieces share the diagonal's voxels, and the more solid one weighs more.
+            // Two pieces share the diagonal's voxels, and the one with more coverage weighs more.
             let error = (Vec3::from(face.reflectance) - Vec3::new(0.8 * u, 0.5, 0.99)).abs();
             assert!(error.max_element() < 0.01, "{x} {y}: {:?}", face.reflectance);
             assert!((along(&face) - (1.0 - v)).abs() < 2e-3, "{x} {y}: {face:?}");
@@ -266,7 +265,7 @@ fn colours_of_vertices_multiply_reflectance_and_alpha() {
 #[test]
 fn transmission_reduces_blocking_and_the_rest_reflects() {
     let lab = Lab::new();
-    // The left half lets 0.8 pass of what it does not absorb, the right half nothing.
+    // The left half transmits 0.8 of the light that it does not absorb, the right half nothing.
     let view = texture(&lab, 64, |x, _| [if x < 32 { 255 } else { 0 }, 0, 0, 255]);
     let color = Vec3::new(0.2, 0.9, 0.4);
     let material = SurfaceMaterial {

@@ -1,5 +1,5 @@
-//! The voxelizer against a brute force in f64, and its promises: nothing lost, nothing counted
-//! twice, the same bits whatever the order.
+//! The voxelizer against brute force in f64, and its guarantees: nothing is lost or counted twice,
+//! and any order gives the same bits.
 
 mod layers;
 mod layouts;

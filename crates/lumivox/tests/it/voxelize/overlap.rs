@@ -7,8 +7,7 @@ use crate::voxelize::read::Lab;
 use crate::voxelize::scenes::{Mesh, Random, unit_grid};
 use crate::voxelize::twin::{self, in_grid};
 
-/// Compares the occupied voxels with the twin's: those nearer than `epsilon` to touching may
-/// differ.
+/// Compares the occupied voxels with the twin's: voxels within `epsilon` of touching may differ.
 fn compare(lab: &Lab, grid: &Grid, geometry: &Geometry, triangles: &[[Vec3; 3]], epsilon: f64) {
     let list = lab.voxelize(grid, geometry);
     let found = list.voxels();
@@ -46,7 +45,7 @@ fn random_triangles() {
     let grid =
         Grid::fit(Vec3::new(-3.0, -1.0, 2.0), Vec3::new(4.0, 2.5, 6.0), 64, Vec3::splat(0.3))
             .unwrap();
-    // From within a voxel to across the grid, some of them partly or wholly outside.
+    // Triangles from the size of a voxel to that of the grid, some partly or wholly outside.
     for size in [0.02_f32, 0.2, 1.0, 6.0] {
         let triangles: Vec<_> = (0..200)
             .map(|_| {
@@ -66,7 +65,7 @@ fn slivers() {
         .map(|i| {
             let a = random.vector(1.0, 63.0);
             let b = random.vector(1.0, 63.0);
-            // Down to a width of a few roundings.
+            // Slivers down to a width of a few roundings.
             let width = 10.0_f32.powf(-1.0 - 5.0 * (i as f32 / 300.0));
             [a, b, a + (b - a) * random.unit() + random.vector(-width, width)]
         })
@@ -86,7 +85,7 @@ fn huge_triangles() {
             Vec3::new(10.0, 4000.0, 20.0),
         ],
     ];
-    // Rounding grows with the coordinates: by 5000 * 2^-24, times those of EPSILON and of the
+    // Rounding grows with the coordinates: 5000 * 2^-24, times the factors of EPSILON and of the
     // plane.
     compare_mesh(&lab, &unit_grid(64), &triangles, f64::from(size) * 32.0 / f64::from(1 << 24));
 }
@@ -109,8 +108,8 @@ fn tiny_triangles_in_one_voxel() {
     assert_eq!(list.stats.fragments, 100_000);
 }
 
-/// Closed boxes: what lies in a boundary touches the voxels on both sides. All numbers are exact
-/// here.
+/// Voxels are closed boxes: surface in a boundary touches the voxels on both sides. All numbers are
+/// exact here.
 #[test]
 fn surface_on_a_boundary_touches_both_voxels() {
     let lab = Lab::new();

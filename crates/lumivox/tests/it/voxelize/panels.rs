@@ -7,7 +7,7 @@ use lumivox::{Geometry, SurfaceMaterial};
 use crate::voxelize::read::{Lab, ReadList, morton_decode};
 use crate::voxelize::scenes::{Mesh, unit_grid};
 
-/// Voxels along the grid's edges, and metres.
+/// Edge of the grid, in voxels and metres.
 pub const EDGE: f32 = 16.0;
 
 /// Lobes.
@@ -17,7 +17,7 @@ pub const DOWN: u32 = 3;
 pub const WALL_REFLECTANCE: f32 = 0.2;
 pub const PANEL_REFLECTANCE: f32 = 0.6;
 
-/// A square that looks down, cut into `cells` * `cells` squares.
+/// A square facing down, cut into `cells` * `cells` squares.
 pub fn ceiling(height: f32, (low, high): (f32, f32), cells: u32) -> Mesh {
     let mut mesh = Mesh::default();
     let at = |i: u32| low + (high - low) * i as f32 / cells as f32;
@@ -30,14 +30,14 @@ pub fn ceiling(height: f32, (low, high): (f32, f32), cells: u32) -> Mesh {
     mesh
 }
 
-/// A wall and a glowing panel below it, both of which look down.
+/// A wall and a glowing panel below it, both facing down.
 #[derive(Clone)]
 pub struct Layers {
     pub wall: Mesh,
     pub panel: Mesh,
     pub double_sided: bool,
     pub panel_first: bool,
-    /// For the wall and the panel.
+    /// Whether the wall and the panel are static.
     pub is_static: [bool; 2],
 }
 
@@ -88,7 +88,7 @@ pub fn middle_faces(list: &ReadList, lobe: u32) -> Vec<FaceRecord> {
     faces
 }
 
-/// That a face has the look, the height and the area of a panel or a wall.
+/// Asserts reflectance, emission, height and area of a panel or a wall.
 pub fn assert_is(face: &FaceRecord, (reflectance, emission): (f32, f32), height: f32, case: &str) {
     let (emits, reflects) = (face.emission[0], face.reflectance[0]);
     assert!((emits - emission).abs() < 1e-3, "{case}: emits {emits}, not {emission}");
@@ -101,11 +101,11 @@ pub fn assert_is(face: &FaceRecord, (reflectance, emission): (f32, f32), height:
     assert_eq!(covered, [u32::MAX; 4], "{case}");
 }
 
-/// The reflectance and the emission of each.
+/// Reflectance and emission.
 pub const WALL: (f32, f32) = (WALL_REFLECTANCE, 0.0);
 pub const PANEL: (f32, f32) = (PANEL_REFLECTANCE, 8.0);
 
-/// That a panel and the wall behind it are two faces, whichever comes first.
+/// Asserts that a panel and the wall behind it are two faces, in either order.
 pub fn assert_are_apart(lab: &Lab, method: &str) {
     for gap in [0.01, 0.8] {
         for (double_sided, panel_first) in [(false, false), (false, true), (true, false)] {

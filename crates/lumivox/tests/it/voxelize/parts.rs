@@ -1,4 +1,4 @@
-//! Static and dynamic shares: what is kept and what is walked again give the bits of a whole
+//! Static and dynamic shares: kept and newly walked surface together give the bits of a whole
 //! voxelization.
 
 use std::collections::BTreeMap;
@@ -69,7 +69,7 @@ fn room() -> Grid {
     Grid::fit(Vec3::ZERO, Vec3::splat(2.0), 32, Vec3::ZERO).expect("it fits")
 }
 
-/// The bits of both, and all that is counted.
+/// Asserts equal bits and equal counts.
 fn assert_same(kept: &ReadList, whole: &ReadList, what: &str) {
     assert_eq!(kept.level_starts, whole.level_starts, "{what}");
     for (name, (a, b)) in ["occupancy", "ranks", "nodes", "first faces", "faces"]
@@ -90,8 +90,7 @@ fn moved_draws_match_a_full_revoxelization() {
     let lab = Lab::new();
     let (grid, mut geometry) = (room(), stage(&lab));
     let turned = Mat4::from_rotation_x(0.7);
-    // In the air; in walls and floor, so that voxels and lobes are shared with them; half outside;
-    // wholly outside.
+    // In the air; in walls and floor, sharing voxels and lobes; half outside; wholly outside.
     let moves = [
         ("in the air", [at(0.5, 1.5, 1.0), at(1.4, 1.5, 0.7), at(1.0, 1.7, 1.0) * turned]),
         ("in walls", [at(0.0, 1.5, 1.0), at(1.4, 0.0, 0.7), at(1.0, 1.0, 0.01)]),
@@ -131,8 +130,8 @@ fn added_and_removed_draws_match_a_full_revoxelization() {
     }
     let draws: Vec<Vec<Draw>> = geometry.batches.iter().map(|b| b.draws.clone()).collect();
     let mut kept = lab.gi(&grid);
-    // Which meshes are drawn; all, fewer, none but the room, again; then no room; then nothing kept
-    // fits.
+    // Drawn meshes, and whether the static share is reused: all, fewer, only the room, again; then
+    // no room; then nothing reusable.
     let cases: [(&[usize], bool); 7] = [
         (&[0, 1, 2, 3, 4], false),
         (&[0, 3], true),
@@ -155,7 +154,7 @@ fn added_and_removed_draws_match_a_full_revoxelization() {
 /// A change to a geometry, and its name.
 type Change<'a> = (&'a str, &'a dyn Fn(&mut Geometry));
 
-/// A change of what is static is found, whoever forgot to say so.
+/// Changes of static draws are found without being reported.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn changes_to_static_draws_are_detected() {
@@ -180,7 +179,7 @@ fn changes_to_static_draws_are_detected() {
     }
 }
 
-/// A way to find voxels that leaves all walks to the exact one.
+/// A method that leaves all walks to the exact one.
 #[derive(Debug)]
 struct AsItIs;
 
@@ -201,7 +200,7 @@ impl Walker for AsItIs {
     }
 }
 
-/// A caller's own way sees every walk, and may leave it.
+/// A caller's method sees every walk, and may decline it.
 #[test]
 fn a_custom_method_can_fall_back_to_exact_voxelization() {
     let lab = Lab::new();
@@ -210,8 +209,8 @@ fn a_custom_method_can_fall_back_to_exact_voxelization() {
     assert_same(&own, &lab.voxelize(&grid, &geometry), "the exact walk");
 }
 
-/// The sums of a voxel's lobe: the vector area of its faces, and reflectance and emission times the
-/// area along it.
+/// By voxel and lobe: the faces' vector area, and reflectance and emission times the area along the
+/// lobe.
 type Sums = BTreeMap<(u32, u32), [Vec3; 3]>;
 
 fn sums_by_lobe(list: &ReadList) -> Sums {
@@ -226,9 +225,8 @@ fn sums_by_lobe(list: &ReadList) -> Sums {
     sums
 }
 
-/// Two shares hold what one share would: the same voxels, and lobes whose sums differ only by
-/// rounding, unless surface of both lies in one plane and there is more of it than a plane has room
-/// for.
+/// Two shares equal one share: the same voxels, and lobes whose sums differ only by rounding,
+/// unless both shares lie in one plane and their area exceeds a plane's limit.
 #[test]
 fn static_and_dynamic_parts_equal_one_voxelization() {
     let lab = Lab::new();

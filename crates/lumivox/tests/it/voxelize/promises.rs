@@ -1,4 +1,4 @@
-//! Equal bits for every order; errors that say what is wrong.
+//! Equal bits for every order; errors that name the problem.
 
 use glam::{Mat4, Vec3};
 use lumivox::gpu::Timing;
@@ -24,7 +24,7 @@ fn the_order_of_triangles_does_not_matter() {
     let shuffled = lab.voxelize(&grid, &mesh.geometry(&lab.device, material.clone()));
     assert!(first.bits() == shuffled.bits());
 
-    // Nor how they are shared out to batches and draws.
+    // The division into batches and draws does not matter either.
     let (front, back) = triangles.split_at(1000);
     let mut batches = vec![
         Mesh::from_triangles(front).batch(&lab.device, 0),
@@ -102,8 +102,8 @@ fn limit_errors_name_the_limit_and_a_remedy() {
     assert!(needed > available);
     assert_eq!(remedy, "set the resolution to at most 512");
 
-    // Faces, of which there are too many only once they are counted.
-    // Buffers of the list, or only what rays know of its faces.
+    // Too many faces, known only once they are counted: for the buffers of the list, or only for
+    // the rays' surface buffer.
     for (layers, what) in [(24, "the buffer of"), (2, "the buffer of the surface")] {
         let mut mesh = Mesh::default();
         for layer in 0..layers {
@@ -120,7 +120,7 @@ fn limit_errors_name_the_limit_and_a_remedy() {
     }
 }
 
-/// More items than 32 bits number: an error, and no work on wrapped-around numbers.
+/// More items than 32 bits can number: an error, and no work with wrapped numbers.
 #[test]
 fn too_many_items_are_an_error() {
     let lab = Lab::new();

@@ -1,4 +1,4 @@
-//! A voxel list read back, and what every list must be.
+//! A voxel list read back, and checks for every list.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use lumivox::hooks::Voxelization;
 use lumivox::voxels::{FaceRecord, NodeRecord};
 use lumivox::{Geometry, Gi, GiConfig, Grid, VoxelizeStats};
 
-/// All of a list.
+/// A complete list.
 #[derive(Debug)]
 pub struct ReadList {
     pub grid: Grid,
@@ -23,7 +23,7 @@ pub struct ReadList {
     pub stats: VoxelizeStats,
 }
 
-/// A device, and a way to find voxels; `None`: the exact one.
+/// A device, and a voxelizer; `None` is the exact one.
 pub struct Lab {
     pub device: Pipelines,
     pub queue: wgpu::Queue,
@@ -35,13 +35,13 @@ impl Lab {
         Self::by(None)
     }
 
-    /// With another way to find voxels, or the exact one.
+    /// A lab with another voxelizer, or the exact one.
     pub fn by(voxelizer: Option<Arc<dyn Voxelization>>) -> Self {
         let (device, queue) = crate::common::device();
         Self { device, queue, voxelizer }
     }
 
-    /// An object without voxels.
+    /// A `Gi` without voxels.
     pub fn gi(&self, grid: &Grid) -> Gi {
         let config = GiConfig { voxelizer: self.voxelizer.clone(), ..GiConfig::new(*grid) };
         Gi::with_pipelines(&self.device, &self.queue, config).expect("a device")
@@ -52,7 +52,7 @@ impl Lab {
         self.voxelize_into(geometry, &mut self.gi(grid))
     }
 
-    /// As [`Self::voxelize`], with the static draws that an object has kept.
+    /// As [`Self::voxelize`], with the static draws that `gi` has kept.
     pub fn voxelize_into(&self, geometry: &Geometry, gi: &mut Gi) -> ReadList {
         let voxelizing = gi.voxelize_dynamic(geometry, Timing::Off);
         let stats = pollster::block_on(voxelizing).expect("the geometry is voxelized").stats;
@@ -61,7 +61,7 @@ impl Lab {
             self.read(&list.nodes, u64::from(list.level_starts[grid.levels as usize]));
         let first_faces: Vec<u32> = self.read(&list.first_faces, u64::from(list.voxel_count()));
         let places: Vec<FaceRecord> = self.read(&list.faces, u64::from(list.face_count));
-        // Voxel by voxel, wherever their faces are stored.
+        // In the order of voxels, independent of where faces are stored.
         let faces = nodes.iter().zip(&first_faces).flat_map(|(node, &first)| {
             let count = node.faces();
             places[first as usize..(first + count) as usize].to_vec()
@@ -108,7 +108,7 @@ impl ReadList {
         (0..self.level_starts[1]).map(|index| self.voxel(index)).collect()
     }
 
-    /// The sum of the faces' vector areas, not limited ones only.
+    /// The sum of the faces' vector areas, including unlimited ones.
     pub fn total_area(&self) -> glam::DVec3 {
         self.faces.iter().map(|face| Vec3::from(face.vector_area).as_dvec3()).sum()
     }
@@ -176,7 +176,7 @@ impl ReadList {
             let children = self.level_starts[level - 1]..self.level_starts[level];
             let mut lobes = std::collections::HashMap::new();
             for child in &self.nodes[children.start as usize..children.end as usize] {
-                // Without the numbers of faces, which voxels have.
+                // Without the number of faces, which only voxels have.
                 *lobes.entry(child.morton / 8).or_insert(0) |= child.lobes & 0x3fff;
             }
             let own = self.level_starts[level]..self.level_starts[level + 1];

@@ -4,7 +4,7 @@ use glam::{Mat4, Vec2, Vec3};
 use lumivox::{Draw, Geometry, GeometryBatch, Grid, SurfaceMaterial, VertexAttributes};
 use wgpu::util::DeviceExt as _;
 
-/// A buffer as an engine makes its own.
+/// A buffer as an engine would create it.
 pub fn upload<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> wgpu::Buffer {
     // No binding may be empty.
     let contents = if content.is_empty() { &[0; 16] } else { bytemuck::cast_slice(content) };
@@ -22,7 +22,7 @@ impl Random {
         (word >> 22) ^ word
     }
 
-    /// From 0 to 1.
+    /// A random number from 0 to 1.
     pub fn unit(&mut self) -> f32 {
         (self.next() >> 8) as f32 / (1 << 24) as f32
     }
@@ -93,7 +93,7 @@ impl Mesh {
                     std::f64::consts::TAU * f64::from(column % segments) / f64::from(segments);
                 let direction =
                     glam::DVec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
-                // The poles exactly once.
+                // Exact poles.
                 let direction = if row == 0 || row == segments {
                     direction.y.signum() * glam::DVec3::Y
                 } else {

@@ -17,7 +17,7 @@ fn grey() -> SurfaceMaterial {
     SurfaceMaterial { reflectance: Vec4::new(0.2, 0.4, 0.6, 1.0), ..Default::default() }
 }
 
-/// Every face against the twin's.
+/// Compares every face with the twin's.
 fn compare(
     grid: &Grid,
     list: &ReadList,
@@ -38,7 +38,7 @@ fn compare(
     for (key, faces) in found {
         let own = expected.remove(&key).unwrap_or_default();
         let tolerance = TOLERANCE * f64::from(own.pieces.max(1));
-        // Each plane of the lobe has a face, limited on its own.
+        // Each plane of the lobe has its own face with its own limit.
         let area: DVec3 = faces.iter().map(|face| Vec3::from(face.vector_area).as_dvec3()).sum();
         if own.weight < 1.0 {
             let error = (area - own.area).abs().max_element();
@@ -46,8 +46,7 @@ fn compare(
         } else {
             assert!(area.length() <= own.area.length() + tolerance, "{key:?}: {area}, {own:?}");
         }
-        // Positions are those of what no other face hides, on the side of other surface on which
-        // most is.
+        // Positions are those of visible surface, on the side of other surface that has most of it.
         let is_seen = (double_sided
             && faces.iter().all(|face| face.flags & FaceRecord::PARTED == 0))
             || in_voxel[&key.0] == 1;
@@ -59,7 +58,7 @@ fn compare(
             let weight: f64 = faces.iter().map(|face| f64::from(along(face))).sum();
             let position = faces.iter().map(moment).sum::<DVec3>() / weight;
             let mean = own.moment / own.weight;
-            // The position's error is that of the area, over the area.
+            // The position's error is the area's error over the area.
             let allowed = 2.0 * tolerance / own.weight + 1e-4;
             let error = (position - mean).abs().max_element();
             assert!(error <= allowed, "{key:?}: at {position}, not {mean}, {own:?}");
@@ -126,7 +125,7 @@ fn planes_keep_their_area() {
         let list = lab.voxelize(&grid, &Mesh::from_triangles(&[t]).geometry(&lab.device, grey()));
         let [a, b, c] = t.map(DVec3::from);
         let area = 0.5 * (b - a).cross(c - a);
-        // This is of the order of a rounding of the sum of hundreds of faces of f32.
+        // About the rounding of a sum of hundreds of f32 faces.
         let error = (list.total_area() - area).length();
         assert!(error <= 2e-5 * area.length(), "{t:?}: {}, not {area}", list.total_area());
         let normal = area.normalize();
@@ -137,8 +136,8 @@ fn planes_keep_their_area() {
     }
 }
 
-/// Pieces in the plane between two voxels are counted once, in the voxel above: of large triangles,
-/// and of small ones that lie within a side.
+/// Pieces in the plane between two voxels are counted once, in the voxel above, for large triangles
+/// and for small ones within a side.
 #[test]
 fn boundary_planes_count_once() {
     let lab = Lab::new();
@@ -221,12 +220,11 @@ fn many_tiny_pieces_add_up() {
     let list = lab
         .voxelize(&unit_grid(16), &Mesh::from_triangles(&triangles).geometry(&lab.device, grey()));
     let error = (list.total_area() - area).length() / area.length();
-    // The sum of all is 0.2; each is rounded by at most a part in 2^17 of it, at random.
+    // The sum is 0.2; each piece is rounded at random by at most 2^-17 of it.
     assert!(error < 1e-3, "{}, not {area}", list.total_area());
 }
 
-/// More surface in a voxel than any sum of a fixed scale would hold: it is limited, not wrapped
-/// around.
+/// More surface in a voxel than a fixed-point sum can hold is limited, not wrapped around.
 #[test]
 fn full_voxels_do_not_overflow() {
     let lab = Lab::new();

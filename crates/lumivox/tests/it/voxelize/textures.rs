@@ -1,4 +1,4 @@
-//! Textured walls, and what becomes of them.
+//! Textured walls and their faces.
 
 use glam::{Vec2, Vec3};
 use lumivox::{Geometry, SurfaceTexture};

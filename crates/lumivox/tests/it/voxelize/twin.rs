@@ -19,12 +19,12 @@ pub fn is_degenerate(t: &Triangle) -> bool {
     !t.iter().all(|p| p.is_finite()) || (t[1] - t[0]).cross(t[2] - t[0]) == DVec3::ZERO
 }
 
-/// A triangle as seen along the axes that may separate it from voxels.
+/// A triangle's ranges along the axes that may separate it from voxels.
 pub struct Separator(Vec<Axis>);
 
 struct Axis {
     direction: DVec3,
-    /// The triangle's range along it, widened by half a voxel as seen along it.
+    /// The triangle's range along the axis, widened by half a voxel's extent.
     low: f64,
     high: f64,
 }
@@ -37,8 +37,8 @@ impl Separator {
         Self::along(t, std::iter::once(edges[0].cross(edges[1])).chain(DVec3::AXES).chain(across))
     }
 
-    /// Without the edges as seen along two of the axes: the tests of a conservative rasterizer
-    /// along the third axis, and of the plane's range of depth over the pixel.
+    /// Only the tests of a conservative rasterizer along `axis`, and of the plane's depths over the
+    /// pixel: without the edges as seen along the other axes.
     #[allow(dead_code)] // The tests of lumivox-classics use it.
     pub fn in_column(t: &Triangle, axis: usize) -> Self {
         let edges = edges(t);
@@ -57,8 +57,8 @@ impl Separator {
         Self(directions.filter_map(DVec3::try_normalize).map(axis).collect())
     }
 
-    /// By how much the triangle and the closed voxel are apart along the best axis (negative: by
-    /// how much they would have to move to be apart), in voxels; `None` if by more than `most`.
+    /// Largest distance of the triangle and the closed voxel along any axis, in voxels (negative:
+    /// overlap); `None` if above `most`.
     pub fn apart(&self, voxel: UVec3, most: f64) -> Option<f64> {
         let centre = voxel.as_dvec3() + 0.5;
         self.0.iter().try_fold(f64::MIN, |apart, axis| {
@@ -85,7 +85,7 @@ pub fn candidates(grid: &Grid, t: &Triangle, margin: f64) -> impl Iterator<Item 
     })
 }
 
-/// For every voxel that a triangle comes nearer than `epsilon` to: the separation from the nearest.
+/// For every voxel within `epsilon` of a triangle: the separation from the nearest one.
 pub fn separations(grid: &Grid, triangles: &[Triangle], epsilon: f64) -> BTreeMap<[u32; 3], f64> {
     let mut nearest = BTreeMap::new();
     for t in triangles.iter().filter(|t| !is_degenerate(t)) {
@@ -171,13 +171,13 @@ pub fn faces(
         let axis = lobe / 2;
         let separator = Separator::new(t);
         for voxel in candidates(grid, t, 0.0) {
-            // Most of a large triangle's box is far from it. What touches a voxel may be apart by a
+            // Most of a large triangle's box is far from it. Touching voxels may be separated by
             // rounding.
             if separator.apart(voxel, 1e-9).is_none() {
                 continue;
             }
             let corner = voxel.as_dvec3();
-            // All of it in the plane of the upper side: it belongs to the next voxel.
+            // A piece in the plane of the upper side belongs to the next voxel.
             if t.iter().all(|p| p[axis] >= corner[axis] + 1.0) {
                 continue;
             }

@@ -1,5 +1,5 @@
-//! Nodes built by locks against their definition and against those built by ranks: the same nodes,
-//! masks and bricks.
+//! Compares nodes built by locks with their definition and with nodes built by ranks: the same
+//! nodes, masks and bricks.
 
 mod moves;
 mod read;
@@ -45,14 +45,14 @@ fn count_of(gi: &Gi, name: &str) -> u64 {
     found.unwrap_or_else(|| panic!("no {name} in {counts:?}")).1
 }
 
-/// The radiance that the faces send out, in bits.
+/// The faces' radiance, in bits.
 fn radiance((device, queue): &(Pipelines, wgpu::Queue), gi: &Gi) -> Vec<[u32; 4]> {
     let faces = gi.voxels().expect("there are voxels").face_count as usize;
     read(device, queue, gi.face_radiance().expect("it is lit"), faces)
 }
 
-/// Nodes built by locks are those of the definition; their masks and bricks equal those built by
-/// ranks, to the bit.
+/// Nodes built by locks match the definition; their masks and bricks equal those built by ranks, to
+/// the bit.
 fn assert_built_alike(gpu: &(Pipelines, wgpu::Queue), grid: Grid, geometry: &Geometry) -> Gi {
     let ranked = lit(gpu, by_ranks(grid), geometry);
     let watched = Watched::new(locks());
@@ -101,7 +101,7 @@ fn locks_match_ranks_for_a_full_grid() {
     let locked = assert_built_alike(&gpu, grid, &geometry);
     let voxels = locked.voxels().expect("there are voxels");
     assert_eq!(u64::from(voxels.voxel_count()), grid.voxel_count());
-    // Threads that run in step want the same lock.
+    // Threads that run in lockstep want the same lock.
     let (passes, deferred) = (count_of(&locked, "lock_passes"), count_of(&locked, "deferred"));
     assert!(deferred > 0 && passes > 1, "nobody had to wait: {passes} passes, {deferred} deferred");
 }

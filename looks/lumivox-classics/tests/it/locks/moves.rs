@@ -1,7 +1,7 @@
-//! Octrees that follow what moves, by locks and by ranks through the same moves.
+//! Octrees built by locks and by ranks, through the same moves.
 //!
-//! Lumivox's own tests compare an octree built by ranks with a new one after each move. One built
-//! by locks that equals it to the bit needs no other proof.
+//! Lumivox's own tests compare an octree built by ranks with a new one after each move. If the
+//! octree built by locks equals it to the bit, that is enough.
 
 use glam::{Mat4, Vec3};
 use lumivox::gpu::{Pipelines, Recorder, Timing};
@@ -31,7 +31,7 @@ impl Pair {
         Self { gpu, gis }
     }
 
-    /// Waits for the list.
+    /// Voxelizes, and waits for the list.
     fn voxelize(&mut self, geometry: &Geometry) {
         for gi in &mut self.gis {
             let work = gi.voxelize_dynamic(geometry, Timing::Off);
@@ -39,7 +39,7 @@ impl Pair {
         }
     }
 
-    /// Records the list until it is known to have had room, and how much there is of it.
+    /// Records frames until the list fits, and its counts are known.
     fn record(&mut self, geometry: &Geometry) {
         let (device, queue) = &self.gpu;
         for gi in &mut self.gis {
@@ -51,7 +51,7 @@ impl Pair {
                 recorder.submit();
                 wait_until_read(device, gi);
                 in_time = if gi.status().is_late { 0 } else { in_time + 1 };
-                // The second one has taken over the counts of the first.
+                // The second such frame has applied the counts of the first.
                 if in_time == 2 {
                     break;
                 }
@@ -60,7 +60,7 @@ impl Pair {
         }
     }
 
-    /// Lights both and compares all that they hold.
+    /// Lights both octrees, and compares their whole content.
     fn assert_alike(&mut self, bounces: u32, shadow: Shadow, what: &str) {
         let (device, queue) = &self.gpu;
         let source = LightSource::Point {
@@ -92,7 +92,7 @@ fn at(x: f32, y: f32, z: f32) -> Mat4 {
 }
 
 /// In the air, a little farther, into a wall, onto the plate, half outside, far outside (gone), and
-/// back. Cones see the same, as bricks have the same places.
+/// back. Cones see the same, since bricks are in the same places.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn blocking_moves_give_equal_bits_with_both_builders() {
@@ -115,8 +115,8 @@ fn blocking_moves_give_equal_bits_with_both_builders() {
 }
 
 /// From nothing, through walls, out of the grid and back; without the moving box, without the
-/// static room, with nothing at all. Without cones: which lists a late octree skips, and therefore
-/// the places of bricks, are not guaranteed.
+/// static room, with nothing at all. Without cones: a late octree may skip any list, so bricks may
+/// be in other places.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn moves_within_frames_give_equal_bits_with_both_builders() {

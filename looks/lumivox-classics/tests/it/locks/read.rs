@@ -1,4 +1,4 @@
-//! Nodes with their masks and bricks, as whoever samples the volume sees them.
+//! Reads nodes with their masks and bricks, as samplers of the volume see them.
 
 use std::collections::BTreeMap;
 
@@ -71,7 +71,7 @@ fn main(
     }
 }";
 
-/// The content of all nodes with bricks: those of the levels that the grid has.
+/// The content of all nodes with bricks: nodes of the grid's levels.
 pub(super) fn read_bricks(gpu: &(Pipelines, wgpu::Queue), gi: &Gi) -> BTreeMap<NodeAt, Vec<u32>> {
     let grid = gi.grid();
     let root_level = grid.morton_edge(0).ilog2();

@@ -10,7 +10,7 @@ use lumivox::{GiError, Grid};
 use crate::testing::nodes::{NODE_WORDS, NodeAt, walk_nodes};
 use crate::testing::read;
 
-/// Another builder, watched.
+/// Wraps another builder.
 #[derive(Debug)]
 pub(super) struct Watched {
     inner: Arc<dyn OctreeBuilding>,
@@ -25,7 +25,7 @@ impl Watched {
         Self::blamed(inner, 0)
     }
 
-    /// Told to have missed groups of nodes.
+    /// A builder that reports missed groups of nodes.
     pub(super) fn blamed(inner: Arc<dyn OctreeBuilding>, missed: u32) -> Arc<Self> {
         Arc::new(Self { inner, missed, seen: Arc::default() })
     }

@@ -21,7 +21,7 @@ fn main(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
 const BORDER: f32 = 4.0;
 const NEAR_M: f32 = 1e-3;
 
-/// The layers of a light; a parallel one sees a box of the given radius about a middle.
+/// The layers of a light; parallel light covers a box of the given radius about `middle`.
 pub(super) fn layers(
     source: &LightSource,
     middle: Vec3,
@@ -45,7 +45,7 @@ pub(super) fn layers(
         LightSource::Directional { direction, .. } | LightSource::Environment { direction, .. } => {
             let view = look_to_mat4(middle, direction, direction.any_orthonormal_vector());
             let half = radius * border;
-            // Near and far change places: reversed depth.
+            // Near and far are swapped: reversed depth.
             let projection = orthographic(-half, half, -half, half, radius, -radius);
             vec![ShadowLayer {
                 clip_from_world: projection * view,

@@ -1,10 +1,9 @@
 //! Photons against closed forms and against the direct evaluation.
 //!
-//! All light that is sent out must arrive: the flux that the faces received, irradiance times area,
-//! is summed up from their radiance. A map's texels catch the outline of a surface to half a texel,
-//! so the flux on a surface of area A and outline P, seen in texels of edge t, is true within
-//! `P t / sqrt(2) / A` at worst (as if the whole outline erred to one side); a closed room has no
-//! outline.
+//! All emitted light must arrive: the faces' received flux, irradiance times area, is computed from
+//! their radiance and summed. A map's texels resolve a surface's outline to half a texel, so the
+//! flux on a surface of area A and outline P, seen in texels of edge t, errs by at most `P t /
+//! sqrt(2) / A` (if the whole outline errs to one side); a closed room has no outline.
 
 mod maps;
 
@@ -22,7 +21,7 @@ use lumivox_classics::photons::{PhotonFates, photon_fates, photons};
 
 use crate::testing::{SceneBuilder, device, lambert, read};
 
-/// The two ways for light into the voxels.
+/// The two methods of lighting voxels.
 #[derive(Clone, Copy, PartialEq)]
 enum Injection {
     Direct,
@@ -59,7 +58,7 @@ impl Lit {
     }
 }
 
-/// Lights a scene: with maps that the photons come from, or without shadows face by face.
+/// Lights a scene: by photons from maps, or face by face without shadows.
 fn lit(
     scene: SceneBuilder,
     bounds: (Vec3, Vec3),
@@ -94,7 +93,7 @@ fn lit_by_maps(
         Injection::Photons => (Shadow::Map { first_layer: 0 }, Some(&maps)),
     };
     let lights = gi.bind_lights(&[Light { source: light, shadow }], Vec3::ZERO, maps);
-    // Twice: the second time finds nothing of the first.
+    // Twice: nothing of the first time may remain.
     for _ in 0..2 {
         gi.light(&mut recorder, &lights, 1, &TraceSettings::default()).expect("valid settings");
     }
@@ -189,7 +188,7 @@ fn a_floor_receives_the_suns_irradiance_times_its_area() {
 }
 
 /// Nothing is lost to rounding, and no sum overflows, with texels from a twentieth of a voxel to
-/// seven of them; where they are coarser than half a voxel all faces are evaluated directly.
+/// seven voxels; if texels are coarser than half a voxel, all faces are evaluated directly.
 #[test]
 fn photon_flux_is_exact_for_all_texel_sizes() {
     for size in [16, 64, 256, 1024] {
@@ -222,8 +221,8 @@ fn a_tilted_plate_receives_the_flux_it_intercepts() {
         let direction = Vec3::new(0.2, -1.0, 0.3).normalize();
         let expected = 0.48 * -(turn * Vec3::Y).dot(direction);
         let photons = lit(plate(), bounds, Vec3::ZERO, sun(direction), Injection::Photons);
-        // Texels of 4.2 mm (the map sees the bounds' sphere), an outline of 2.8 m: 1.7 % at worst,
-        // seen upright.
+        // Texels of 4.2 mm (the map covers the bounds' sphere), an outline of 2.8 m: 1.7 % at
+        // worst, seen upright.
         assert_flux(&format!("plate turned by {angles:?}"), &photons, expected, 0.02);
         assert_eq!(photons.fates.expect("there are photons").lost, 0);
     }
@@ -257,8 +256,8 @@ fn a_closed_room_receives_a_spot_lights_whole_flux() {
     }
 }
 
-/// Far out in a wide cone, where it has faded to less than a hundredth, a texel brings a few counts
-/// and parts of one. These add up: texels of a quarter of the edge bring as much.
+/// At the border of a wide cone, where light has faded to below a hundredth, a texel adds a few
+/// counts and a fraction. The fractions add up: texels of a quarter of the edge give as much.
 #[test]
 fn fractional_photon_counts_add_up() {
     let position = Vec3::new(0.5, 0.35, 0.45);
@@ -283,11 +282,11 @@ fn fractional_photon_counts_add_up() {
         lit.faces.iter().filter(is_dim).map(|face| face.irradiance * face.area_m2).sum()
     };
     let (coarse, fine) = (flux(&coarse), flux(&fine));
-    // A coarse texel at the cone's border counts by its middle.
+    // A coarse texel at the cone's border is evaluated at its middle.
     assert!((fine / coarse - 1.0).abs() < 0.08, "fine texels bring {fine}, coarse ones {coarse}");
 }
 
-/// The sun through an open roof: what the plate takes, the floor does not get.
+/// The sun through an open roof: the floor does not get the plate's light.
 #[test]
 fn flux_on_a_blocker_is_missing_below_it() {
     let plate = SurfaceMaterial { double_sided: true, ..white() };
@@ -308,9 +307,8 @@ fn flux_on_a_blocker_is_missing_below_it() {
     assert!((floor / 0.88 - 1.0).abs() < 0.012, "the floor takes up {floor}");
 }
 
-/// Face by face: where all is in the light, photons find what the direct evaluation computes. A
-/// face of a voxel's size is seen by n texels along an edge, so that it scatters by up to 1 / n
-/// along each.
+/// Face by face: without shadow, photons match the direct evaluation. n texels along an edge see a
+/// face of a voxel's size, so its light varies by up to 1 / n along each edge.
 #[test]
 fn photons_match_direct_evaluation_face_by_face() {
     let lamp_place = Vec3::new(0.45, 0.35, 0.4);
@@ -327,8 +325,8 @@ fn photons_match_direct_evaluation_face_by_face() {
         let brightest = direct.faces.iter().map(|face| face.irradiance).fold(0.0, f32::max);
         let (mut squares, mut worst, mut count) = (0.0, 0.0_f32, 0);
         for (ours, theirs) in photons.faces.iter().zip(&direct.faces) {
-            // Well lit, a whole side, and the only face in its voxel: faces of one voxel share its
-            // photons.
+            // Only well-lit faces of a whole side without others in their voxel: these would share
+            // its photons.
             let [x, y, z] = ours.face.position_in_world;
             let inside = |at: f32, end: f32| usize::from(at > 0.05 && at < end - 0.05);
             let is_alone =

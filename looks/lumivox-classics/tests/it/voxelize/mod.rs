@@ -1,5 +1,4 @@
-//! The rasterizer's ways from triangles to voxels, with the scenes and the twin of Lumivox's own
-//! tests.
+//! The rasterizer's methods, with the scenes and the twin of Lumivox's own tests.
 
 #[path = "../../../../../crates/lumivox/tests/it/voxelize/panels.rs"]
 mod panels;

@@ -19,7 +19,7 @@ use crate::voxelize::scenes::unit_grid;
 use crate::voxelize::scenes::{Mesh, Random};
 use crate::voxelize::twin::{self, Triangle};
 
-/// A way to find voxels; `None` is the exact one.
+/// A method of voxelizing; `None` is the exact one.
 type Method = Option<Raster>;
 
 const EXACT: Method = None;
@@ -37,7 +37,7 @@ fn voxelize(method: Method, grid: &Grid, triangles: &[[Vec3; 3]]) -> ReadList {
     lab.voxelize(grid, &Mesh::from_triangles(triangles).geometry(&lab.device, material))
 }
 
-/// A cyclic turn that makes `axis` the third.
+/// Rotates components so that `axis` becomes the third.
 fn turn(v: DVec3, axis: usize) -> DVec3 {
     DVec3::from_array(std::array::from_fn(|i| v[(axis + 1 + i) % 3]))
 }
@@ -46,7 +46,7 @@ fn turn_back(v: DVec3, axis: usize) -> DVec3 {
     DVec3::from_array(std::array::from_fn(|i| v[(i + 2 - axis) % 3]))
 }
 
-/// How far inside a triangle, seen along z, a point is (negative: outside).
+/// The distance of a point inside a triangle, seen along z (negative: outside).
 fn depth_inside(t: &Triangle, p: DVec2) -> f64 {
     let area = (t[1] - t[0]).truncate().perp_dot((t[2] - t[0]).truncate());
     (0..3).fold(f64::MAX, |least, i| {
@@ -111,7 +111,7 @@ fn a_panel_hides_the_wall_behind_it() {
     }
 }
 
-/// Pipelines that draw are compiled ahead and found again like all others.
+/// Render pipelines are compiled ahead and reused like all others.
 #[test]
 fn render_pipelines_are_compiled_ahead_and_counted() {
     let (device, queue) = crate::common::device();

@@ -12,7 +12,7 @@ use crate::voxelize::scenes::Random;
 use crate::voxelize::scenes::unit_grid;
 use crate::voxelize::twin::{self, Separator, Triangle, in_grid};
 
-/// How far a rasterizer with 8 bits below the pixel, as in all desktop drivers, may move an edge.
+/// Maximum shift of an edge by a rasterizer with 8 bits below the pixel, as in all desktop drivers.
 const SUBPIXEL: f64 = 1.0 / 256.0;
 
 /// Rounding of coordinates of up to 64 voxels, as in overlap.rs.
@@ -30,8 +30,7 @@ fn triangles_of_all_sizes() -> Vec<[Vec3; 3]> {
         .collect()
 }
 
-/// The voxels at the pixel centres that a triangle covers along an axis: those that are certain,
-/// and those that are possible.
+/// The certain and the possible voxels at the pixel centres that a triangle covers along an axis.
 fn sampled(grid: &Grid, t: &Triangle, axis: usize, certain: &mut Cells, possible: &mut Cells) {
     let turned = t.map(|p| turn(p, axis));
     let normal = (turned[1] - turned[0]).cross(turned[2] - turned[0]);
@@ -67,7 +66,7 @@ fn sampled(grid: &Grid, t: &Triangle, axis: usize, certain: &mut Cells, possible
 }
 type Cells = BTreeSet<[u32; 3]>;
 
-/// The voxels found include all that are certain, and only possible ones.
+/// The found voxels include all certain voxels, and only possible ones.
 fn is_between(found: &Cells, certain: &Cells, possible: &Cells) {
     assert!(certain.len() > 5000, "only {} voxels are certain", certain.len());
     println!("{} voxels, {} certain, {} possible", found.len(), certain.len(), possible.len());
@@ -92,7 +91,7 @@ fn voxels_are_set_by_covered_pixel_centres() {
     }
 }
 
-/// The dominant axis finds a part of the exact set, and three planes find that part and more.
+/// The dominant axis finds a subset of the exact set, and three planes find that subset and more.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn sampled_voxels_are_a_subset_of_the_exact_set() {
@@ -101,7 +100,7 @@ fn sampled_voxels_are_a_subset_of_the_exact_set() {
     let [exact, dominant, three] = [EXACT, Some(Raster::DominantAxis), Some(Raster::ThreePlane)]
         .map(|method| voxelize(method, &grid, &triangles).voxels());
     let twins: Vec<_> = triangles.iter().map(|t| in_grid(&grid, t)).collect();
-    // A corner that moves by u and v takes the plane along, by the slopes, which are at most 1.
+    // A shift of a corner by u and v shifts the plane by the slopes, at most 1, times that.
     let near = twin::separations(&grid, &twins, 2.0 * SUBPIXEL);
     for voxel in &dominant {
         assert!(near.contains_key(voxel), "{voxel:?} is found, but nothing comes near it");
@@ -114,8 +113,8 @@ fn sampled_voxels_are_a_subset_of_the_exact_set() {
     }
 }
 
-/// Each voxel whose column, plane and box the triangle meets, and no other. The dominant axis of a
-/// sliver is a matter of rounding: `axes` are those that it may be.
+/// Each voxel whose column, plane and box the triangle meets, and no other. Rounding decides a
+/// sliver's dominant axis: `axes` are the possible ones.
 fn conservative_is_as_defined(
     grid: &Grid,
     triangles: &[[Vec3; 3]],
@@ -187,7 +186,7 @@ fn conservative_finds_huge_triangles() {
         dominant,
     );
 }
-/// A grid that is longer along one axis than along the others, and every axis once.
+/// Grids that are longer along one axis, for every axis.
 #[test]
 fn the_raster_target_covers_the_longest_grid_axis() {
     for axis in 0..3 {

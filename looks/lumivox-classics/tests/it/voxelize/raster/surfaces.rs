@@ -18,8 +18,8 @@ fn colored(reflectance: Vec3) -> SurfaceMaterial {
 const RED: Vec3 = Vec3::new(0.9, 0.1, 0.05);
 const BLUE: Vec3 = Vec3::new(0.15, 0.3, 0.8);
 
-/// A tilted plane, one half red and one half blue: each voxel has the colour of its side, both have
-/// the same area, and the area is that of the plane.
+/// A tilted plane, one half red and one half blue: each voxel has the colour of its side, both
+/// sides have the same area, and their sum is that of the plane.
 #[test]
 fn a_two_coloured_plane_keeps_colours_and_area() {
     let p = Vec3::new;
@@ -46,14 +46,13 @@ fn a_two_coloured_plane_keeps_colours_and_area() {
 
         let (mut sum, mut weight, mut pure) = (Vec3::ZERO, 0.0, 0);
         for face in list.faces.iter().filter(|face| along(face) > 1e-3) {
-            // Along the middle between the halves, in the direction across, in units of half the
-            // plane.
+            // Distance from the line between the halves, within the plane.
             let position = Vec3::from(face.position_in_world);
             let normal = area.as_vec3().normalize();
             let across = p(-4.0, 42.0, 11.0).cross(normal).normalize();
             let side = (position - at(0.5, 0.0)).dot(across);
             let reflectance = Vec3::from(face.reflectance);
-            // Beyond the reach of a voxel.
+            // Farther than a voxel reaches.
             if side.abs() > 1.8 {
                 let own =
                     if side * (at(0.0, 0.0) - at(0.5, 0.0)).dot(across) > 0.0 { RED } else { BLUE };
@@ -61,7 +60,7 @@ fn a_two_coloured_plane_keeps_colours_and_area() {
                 pure += 1;
             }
             let apart = (position - at(0.5, 0.5)).dot(normal);
-            // A conservative pixel that an edge crosses is an estimate.
+            // Conservative pixels crossed by an edge are estimates.
             let most = if method == Some(Raster::Conservative) { 0.3 } else { 1e-3 };
             assert!(apart.abs() < most, "{method:?}: {face:?} is off its plane by {apart}");
             sum += along(face) * reflectance;
@@ -79,7 +78,7 @@ fn a_two_coloured_plane_keeps_colours_and_area() {
     }
 }
 
-/// In a pixel that is wholly covered, the area and position of each voxel's share are exact.
+/// In a fully covered pixel, the area and position of each voxel's share are exact.
 #[test]
 fn conservative_shares_are_exact_within_a_plane() {
     let p = Vec3::new;
@@ -115,8 +114,7 @@ fn conservative_shares_are_exact_within_a_plane() {
     }
 }
 
-/// Triangles smaller than voxels, most of which cover no pixel centre: those that do represent the
-/// others.
+/// Most triangles smaller than voxels cover no pixel centre: those that do represent all.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn small_triangles_keep_their_area_on_average() {
@@ -154,7 +152,7 @@ fn isolated_triangles_keep_their_area_on_average() {
     let grid = unit_grid(64);
     let along_of = |method| voxelize(method, &grid, &triangles).total_along();
     let exact = along_of(EXACT);
-    // A thousand points scatter by 3 %. What is conservative is exact here.
+    // The noise of a thousand points is 3 %. The conservative method is exact here.
     for (method, allowed) in RASTER.into_iter().zip([0.06, 0.01, 0.06]) {
         let share = along_of(method) / exact;
         println!("{method:?}: {share:.4} of the area");
@@ -169,7 +167,7 @@ fn crowded_voxels_average_all_their_fragments() {
     const COUNT: u32 = 100_000;
     let triangles: Vec<_> = (0..COUNT)
         .map(|i| {
-            // One layer: what lies farther apart hides each other (layers.rs).
+            // One layer: surfaces farther apart would hide each other (layers.rs).
             let z = 6.5 + (f32::from(u16::try_from(i % 50_000).unwrap()) / 50_000.0 - 0.5) / 4096.0;
             // The centre of the voxel's column, and of no other.
             [Vec3::new(5.1, 3.1, z), Vec3::new(5.9, 3.3, z), Vec3::new(5.4, 3.9, z)]
@@ -199,7 +197,7 @@ fn crowded_voxels_average_all_their_fragments() {
         assert!((along(&face) - 1.0).abs() < 1e-6, "{method:?}: {face:?}");
     }
 }
-/// Textures, holes and colours on a wall whose pixels are whole voxels: as of the exact method.
+/// Textures, holes and colours on a wall whose pixels are whole voxels match the exact method.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn rastered_surfaces_match_the_exact_method() {
