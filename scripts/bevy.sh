@@ -25,8 +25,8 @@ need_bevy_rust() {
         die "rustup could not install Rust $wanted."
 }
 
-# Prints the names of its test modules, one line per process. Mesa 22.3's software driver leaks 3.4
-# MB per frame of Bevy: 5 GB for the 1400 frames of a process. Tests that compare with the same
+# Prints the names of its test modules, one line per process. Mesa 22.3's software driver leaks
+# 3.4 MB per frame of Bevy: 5 GB for the 1400 frames of a process. Tests that compare with the same
 # pictures share a process.
 bevy_test_groups() {
     local file others=()

@@ -224,7 +224,8 @@ impl Console {
         reply
     }
 
-    /// Runs a line that continues the last one, as in a drag: `undo` undoes both at once.
+    /// Runs a line that continues the last one, as in a drag: changes of the same things become one
+    /// undo step.
     ///
     /// # Errors
     /// As [`Self::run`].

@@ -1,4 +1,4 @@
-//! Names that can be arguments, separate from the console to be copied to other threads.
+//! Names that can be arguments, separate from the console, so that other threads can have copies.
 
 use std::path::Path;
 

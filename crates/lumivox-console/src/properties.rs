@@ -12,8 +12,8 @@ pub struct Property<T: 'static> {
     pub aliases: &'static [&'static str],
     /// Maximum count of numbers in its value.
     pub count: usize,
-    /// The value's meaning, with unit and range; if empty, the error of [`Self::set`] without
-    /// words.
+    /// The value's meaning, with unit and range; empty if the error of [`Self::set`] for no words
+    /// states it.
     pub is: &'static str,
     /// Its value in words that read back to the same bits; `None` if the thing does not have it.
     pub get: fn(&Self, &T) -> Option<String>,

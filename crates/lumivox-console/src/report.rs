@@ -218,7 +218,7 @@ impl OctreeReport {
 /// The box of the grid.
 #[derive(Clone, Debug, Serialize)]
 pub struct GridReport {
-    /// Voxels along x, y and z, of each cascade.
+    /// Voxels along x, y and z; with cascades, of each cascade.
     pub dimensions: [u32; 3],
     /// The corner with the smallest coordinates, in the world, m; with cascades, of the outermost.
     pub origin: [f32; 3],

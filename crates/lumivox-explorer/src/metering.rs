@@ -35,7 +35,7 @@ impl ExposureMeter {
         self.frames = None;
     }
 
-    /// Call this when the next picture shows something else: it is then measured at once.
+    /// Call this when the next picture shows something else, so that it is measured in any case.
     pub fn forget(&mut self) {
         self.measured = None;
     }
@@ -55,7 +55,8 @@ impl ExposureMeter {
         self.last.warning
     }
 
-    /// Measures the picture if a measurement is due. Returns each warning only once, not per frame.
+    /// Measures the picture if a measurement is due. Returns each warning only once, not for every
+    /// frame.
     ///
     /// # Errors
     /// If the device fails.
@@ -98,7 +99,7 @@ impl ExposureMeter {
     }
 
     /// Whether to measure: at 1, 2, 4, 8, ... frames and at the last one. In motion each picture
-    /// has one frame, and is measured after [`MEASURE_EVERY`].
+    /// has one frame, and is measured if [`MEASURE_EVERY`] has passed.
     fn is_due(&self, frames: u32, is_last: bool) -> bool {
         let Some(measured) = self.measured else { return true };
         if self.frames == Some(frames) {

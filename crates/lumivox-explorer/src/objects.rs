@@ -135,7 +135,7 @@ impl Explorer {
         self.edit(object, |edit| edit.is_hidden = Some(is_hidden));
     }
 
-    /// Sets whether an object is static: it never moves.
+    /// Marks an object as static (it stays while others move) or dynamic.
     pub fn set_static(&mut self, object: usize, is_static: bool) {
         self.edit(object, |edit| edit.is_static = Some(is_static));
     }
@@ -152,7 +152,7 @@ impl Explorer {
         self.edit(object, |edit| edit.local = local);
     }
 
-    /// Whether a user has hidden the object, and made it static; `None` if the file decides.
+    /// Whether a user has set the object hidden, and static; `None` if the file decides.
     pub fn marks(&self, object: usize) -> (Option<bool>, Option<bool>) {
         let edit = self.opened.as_ref().and_then(|opened| opened.edit_of(object));
         edit.map_or((None, None), |edit| (edit.is_hidden, edit.is_static))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-# : A camera that sees the whole scene, as on the command line.
+#: A camera that sees the whole scene, as on the command line.
 VIEW = "0,1,5,0,1,0,40"
 
 

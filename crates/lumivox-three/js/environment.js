@@ -4,10 +4,7 @@
 import { DirectionalLight, FloatType, Group, NearestFilter, NodeMaterial, QuadMesh, RenderTarget, RendererUtils, Sphere } from "three/webgpu";
 import { cubeTexture, equirectUV, float, pmremTexture, screenCoordinate, texture, vec3 } from "three/tsl";
 
-/**
- * Width of the panorama, texels: for textures without a size or below `LEAST` (gradients);
- * maximum.
- */
+/** The panorama's width, texels: default (no size, or gradients below `LEAST`), least, most. */
 const [WIDTH, LEAST, LARGEST] = [512, 16, 2048];
 /** three.js only reads back rows of a multiple of this many texels. */
 const STEP = 16;

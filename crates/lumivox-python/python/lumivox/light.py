@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 #: The weights of linear RGB in luminance and illuminance (ITU-R BT.709-6, section 3.2).
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
-# : Maximum number of places that the path tracer measures at once, and of cells of a workplane.
+#: Maximum number of places that the path tracer measures at once, and of cells of a workplane.
 MOST_PLACES = 1 << 20
 
-# : Methods of measuring: cones, in milliseconds, or paths, without bias and with a standard error.
+#: Methods of measuring: cones, in milliseconds, or paths, without bias and with a standard error.
 METHODS = ("cones", "paths")
 
 

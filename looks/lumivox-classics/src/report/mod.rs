@@ -22,8 +22,8 @@ pub struct ReportCones {
     /// offset applies, and light leaks along walls.
     pub clear_of_walls: bool,
     /// Share of a sample's radiance that is lost per cone width, in longest sides of the grid, 0 to
-    /// 64. 0 is the physics: radiance does not change with distance. Higher: darker, mostly
-    /// far samples of wide cones.
+    /// 64. 0 is the physics: radiance does not change with distance. Higher: darker, mostly far
+    /// samples of wide cones.
     pub width_attenuation: f32,
     /// Factor of a sample's radiance for each level above the finest, 1 to 8. 1 is the physics.
     /// Higher: brighter where coarse levels are read, up to the radiance of full cells.

@@ -16,7 +16,7 @@ use lumivox_classics::report::ReportCones;
 use crate::testing::{SceneBuilder, device, lambert, read};
 
 /// The radiance of a room's faces, with the values of the model and then with other values. A lamp
-/// lights the room, since Lumivox samples emitters, and a model's cones find them.
+/// lights the room, not an emissive surface: Lumivox samples emitters, a model's cones find them.
 fn radiance(cones: Option<Arc<dyn ConeModel>>, others: Option<ReportCones>) -> Vec<[f32; 4]> {
     let (device, queue) = device();
     let (low, high) = (Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9));

@@ -108,7 +108,7 @@ impl ReadList {
         (0..self.level_starts[1]).map(|index| self.voxel(index)).collect()
     }
 
-    /// The sum of the faces' vector areas, including unlimited ones.
+    /// The sum of the faces' vector areas.
     pub fn total_area(&self) -> glam::DVec3 {
         self.faces.iter().map(|face| Vec3::from(face.vector_area).as_dvec3()).sum()
     }

@@ -46,7 +46,8 @@ fn compare(
         } else {
             assert!(area.length() <= own.area.length() + tolerance, "{key:?}: {area}, {own:?}");
         }
-        // Positions are those of visible surface, on the side of other surface that has most of it.
+        // A face's position is the mean over surface that no other face hides; if other surface
+        // parts it, over the larger side.
         let is_seen = (double_sided
             && faces.iter().all(|face| face.flags & FaceRecord::PARTED == 0))
             || in_voxel[&key.0] == 1;

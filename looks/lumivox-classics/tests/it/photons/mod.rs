@@ -2,8 +2,8 @@
 //!
 //! All emitted light must arrive: the faces' received flux, irradiance times area, is computed from
 //! their radiance and summed. A map's texels resolve a surface's outline to half a texel, so the
-//! flux on a surface of area A and outline P, seen in texels of edge t, errs by at most `P t /
-//! sqrt(2) / A` (if the whole outline errs to one side); a closed room has no outline.
+//! flux on a surface of area A and outline P, seen in texels of edge t, errs by at most
+//! `P t / sqrt(2) / A` (if the whole outline errs to one side); a closed room has no outline.
 
 mod maps;
 

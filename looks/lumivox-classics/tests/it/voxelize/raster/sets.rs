@@ -100,7 +100,7 @@ fn sampled_voxels_are_a_subset_of_the_exact_set() {
     let [exact, dominant, three] = [EXACT, Some(Raster::DominantAxis), Some(Raster::ThreePlane)]
         .map(|method| voxelize(method, &grid, &triangles).voxels());
     let twins: Vec<_> = triangles.iter().map(|t| in_grid(&grid, t)).collect();
-    // A shift of a corner by u and v shifts the plane by the slopes, at most 1, times that.
+    // If a corner shifts by u and v, the plane's depth shifts by the slopes, at most 1, times that.
     let near = twin::separations(&grid, &twins, 2.0 * SUBPIXEL);
     for voxel in &dominant {
         assert!(near.contains_key(voxel), "{voxel:?} is found, but nothing comes near it");
