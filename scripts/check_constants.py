@@ -24,7 +24,7 @@ RUST = re.compile(
     r"\b(?:const|static)\s+(\w+):\s*\[?(?:[iu](?:8|16|32|64|size)|f32|f64|bool)\b[^=\n]*=\s*([^;\n]+)"
 )
 INJECTED = re.compile(r"\bconstant_[uf]32\(\s*\"([A-Z]\w+)\"")
-# A comment that admits a copy.
+# A comment that marks a copy.
 ADMITTED = re.compile(
     r"`[A-Z][A-Z0-9_]+(?:\.\.\.)?` (?:of|in) `[\w/]+\.wgsl`|///[^\n]*\b[Aa]s in `[\w/]+\.wgsl`\.?\n\s*(?:pub\S* )?const "
 )

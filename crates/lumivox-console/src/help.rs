@@ -11,7 +11,7 @@ use crate::Failure;
 /// The width of the overview in characters.
 const WIDTH: usize = 100;
 
-/// `help [NAME]`
+/// The command `help [NAME]`.
 pub(crate) fn tell(name: Option<&str>) -> anyhow::Result<Reply> {
     let Some(name) = name else { return Ok(Reply::say(overview())) };
     let command = Command::find(name);

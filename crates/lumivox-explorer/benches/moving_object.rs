@@ -14,7 +14,7 @@ use lumivox_scene::{
     Camera, Instance, Light, LightKind, Material, Mesh, Scene, SightOptions, Staging,
 };
 
-/// Objects along each edge of their square.
+/// Objects along each edge of the square that they form.
 const EDGE: usize = 100;
 /// Different meshes with equally many triangles.
 const MESHES: usize = 20;

@@ -33,8 +33,8 @@ pub struct LumivoxGi {
     /// Place and resolution of the voxels. After a change, the new volume is made in the
     /// background, and replaces the old one when it is ready.
     pub volume: GiVolume,
-    /// The most voxel faces that gather light in a frame. With fewer, faces take turns, and changed
-    /// light needs more frames to converge. 0: all faces in each frame. Default: 16 384.
+    /// The most voxel faces that gather light in a frame. If there are more, they take turns, and
+    /// changed light needs more frames to converge. 0: all faces in each frame. Default: 16 384.
     pub faces_per_frame: u32,
     /// Whether glossy surfaces mirror indirect light. Default: true.
     pub reflections: bool,
@@ -51,7 +51,7 @@ impl Default for LumivoxGi {
     }
 }
 
-/// Quality against cost. All obey the same physics.
+/// Quality against cost, with the same physics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub enum GiQuality {

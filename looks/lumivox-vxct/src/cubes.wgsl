@@ -1,5 +1,5 @@
-// The voxels of one level as cubes in their colours, solid or as wires, or by whether light reached
-// them.
+// Draws the voxels of one level as cubes, solid or as wires, coloured by themselves or by whether
+// light reached them.
 
 import package::constants::{VIEW_LIT, VIEW_WIRE_VOXELS};
 import package::render::passes::voxel_view::cell_walk::{longest_walk, next_axis, walk_into, walked_on};

@@ -11,7 +11,7 @@ pub struct ConeShape {
     /// box), 0 to 4. Higher: nearby surfaces are missed. Lower: surfaces see themselves.
     pub offset: f32,
     /// Step as a share of the cone's diameter, 0.001 to 4. Opacity is not corrected for it: finer
-    /// steps are darker shadows, and cost more.
+    /// steps darken shadows, and cost more.
     pub distance_factor: f32,
 }
 

@@ -41,7 +41,7 @@ fn main(@builtin(vertex_index) vertex: u32, @builtin(instance_index) draw: u32) 
     }
     let is_there = vxct_draws[draw].is_voxelized != 0u;
     return Fragment(
-        // All corners at one invisible point, or seen along the axis.
+        // Seen along the axis, or culled: all corners at one point outside the picture.
         select(vec4f(2.0, 2.0, 0.5, 1.0), vec4f(seen, 0.5, 1.0), is_there),
         position,
         corner.normal,

@@ -140,7 +140,7 @@ fn unknown(name: &str) -> Failure {
     Failure::input(format!("there is no command \"{name}\"{remedy}"))
 }
 
-/// `parameters [GROUP]`
+/// The command `parameters [GROUP]`.
 fn list(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let group =
         arguments.first().map(|name| choice(name, "the group", &GROUP_NAMES)).transpose()?;
@@ -159,7 +159,7 @@ fn list(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::say(table.text().trim_end()))
 }
 
-/// `reset [SETTING|all]`
+/// The command `reset [SETTING|all]`.
 fn reset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let preset = of_preset(console);
     match arguments {
@@ -216,7 +216,7 @@ fn set_all(settings: &mut RenderSettings, from: &RenderSettings) {
     }
 }
 
-/// `preset [NAME]`
+/// The command `preset [NAME]`.
 fn preset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let Some(name) = arguments.first() else {
         return Ok(Reply::say(format!("preset {}", console.explorer.preset().name())));
@@ -231,7 +231,7 @@ fn preset(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     Ok(Reply::default())
 }
 
-/// `size [WIDTHxHEIGHT]`
+/// The command `size [WIDTHxHEIGHT]`.
 pub fn size(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let Some(text) = arguments.first() else {
         let size = console.explorer.settings().size;

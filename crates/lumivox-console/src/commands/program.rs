@@ -101,7 +101,7 @@ pub const TABLE: &[Command] = &[
 
 const PROGRAM: Command = Command { group: Group::Program, ..PLAIN };
 
-/// `run FILE`
+/// The command `run FILE`.
 async fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let file = arguments.first().copied().unwrap_or_default();
     let bytes = console.outside.read(file).await?;

@@ -9,7 +9,7 @@ use super::{animation, camera, files, lights, materials, objects, parameters, vo
 use crate::line::quote;
 use crate::{Console, Reply, properties};
 
-/// `script [FILE]`
+/// The command `script [FILE]`.
 pub fn run(console: &mut Console, arguments: &[&str]) -> anyhow::Result<Reply> {
     let lines = lines(console);
     let Some(file) = arguments.first() else { return Ok(Reply::say(lines.join("\n"))) };

@@ -118,11 +118,11 @@ pub const TABLE: &[Command] = &[
 pub struct Shown {
     /// The view when no switch is on.
     base: View,
-    /// `voxs`
+    /// State of `voxs`.
     voxels: bool,
-    /// `voxsW`
+    /// State of `voxsW`.
     wires: bool,
-    /// `loclod`
+    /// State of `loclod`.
     lod: bool,
 }
 
@@ -179,11 +179,11 @@ pub fn base(console: &Console) -> View {
 /// The states of VXCT's switches of objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Objects {
-    /// `objs`
+    /// State of `objs`.
     surfaces: bool,
-    /// `objsW`
+    /// State of `objsW`.
     wires: bool,
-    /// `overlayW`
+    /// State of `overlayW`.
     overlay: bool,
 }
 

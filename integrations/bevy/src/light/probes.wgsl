@@ -21,7 +21,7 @@ struct ProbeSettings {
     texture_edge: f32,
     texture_cells: vec3u,
     count: u32,
-    // Offset of the grid from that of the frame before, in cells.
+    // Offset of the grid from the previous frame's, in cells.
     shift: vec3i,
     padding: u32,
 }

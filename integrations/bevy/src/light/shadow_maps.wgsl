@@ -64,8 +64,8 @@ fn sun_visibility(light: Light, position_in_world: vec3f, normal: vec3f) -> f32 
         let receiver = position_in_world + normal * (2.0 * layer.texel_size);
         let ndc = (layer.clip_from_world * vec4f(receiver, 1.0)).xyz;
         let uv = uv_of(ndc.xy);
-        // Casters in front of the near plane are drawn into it, so they shade everything behind it.
-        // Receivers in front of it are not in this layer.
+        // Casters in front of the near plane are drawn at its depth, so they shade everything
+        // behind it. Receivers in front of it are not in this layer.
         let is_inside = all(uv > border) && all(uv < 1.0 - border) && ndc.z > 0.0 && ndc.z < 1.0;
         if is_inside {
             return filtered(false, uv, layer.layer, ndc.z);

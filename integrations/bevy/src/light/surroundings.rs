@@ -134,7 +134,7 @@ pub(crate) fn transmittance(
 ) -> Vec3 {
     let scale = planet.scale().max_element().max(1e-9);
     let (inner, outer) = (atmosphere.inner_radius, atmosphere.outer_radius);
-    // Relative to the planet's centre, in its own metres; in f64, since radii are large.
+    // Relative to the planet's centre, in the planet's scale; in f64, since radii are large.
     let offset = ((position - planet.translation()) / scale).as_dvec3();
     let radius = offset.length().max(f64::from(inner));
     let cosine = offset.normalize_or(bevy::math::DVec3::Y).dot(towards.as_dvec3());

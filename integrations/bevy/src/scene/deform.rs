@@ -13,7 +13,7 @@ use lumivox::{GiError, wgpu};
 
 use crate::settings::{LumivoxGi, NotInGi};
 
-/// Offset of the joints in a mesh without any.
+/// Offset of the joints if a mesh has none.
 pub(crate) const NO_JOINTS: u32 = u32::MAX;
 
 /// `Deformation` of `deform.wgsl`.
@@ -63,7 +63,7 @@ impl Deformation {
 pub(crate) struct ScenePoses {
     first_joints: EntityHashMap<u32>,
     joints: Vec<Mat4>,
-    /// The first weight of a mesh, and how many it has.
+    /// Index of a mesh's first weight, and their number.
     weight_ranges: EntityHashMap<(u32, u32)>,
     weights: Vec<f32>,
 }

@@ -35,7 +35,7 @@ pub(crate) struct GiView {
     order: (isize, Entity),
 }
 
-/// How opaque things are drawn.
+/// How opaque objects are drawn.
 #[derive(Resource, Clone, Copy, Debug)]
 pub(crate) struct Method {
     pub(crate) is_forward: bool,

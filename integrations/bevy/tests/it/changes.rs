@@ -117,7 +117,7 @@ fn crowds_leave_nothing_behind(stage: &mut Stage, empty: &Shot) {
                 let place = UVec3::new(number % 22, (number / 22) % 22, number / 484).as_vec3();
                 let transform =
                     Transform::from_translation(place * 0.08 + Vec3::new(-0.9, 0.1, -0.9));
-                // Six shadow views of them would take time.
+                // Six shadow views of each would take time.
                 let parts = (mesh.clone(), material.clone(), transform, NotShadowCaster);
                 stage.app.world_mut().spawn(parts).id()
             })

@@ -135,7 +135,7 @@ fn follow(texel: vec2u, layer_in_light: u32) -> u32 {
     let world = photon_map.world_from_clip[layer_in_light] * vec4f(ndc, 1.0);
     let position = world.xyz / world.w;
 
-    // The flux is computed for an intensity of one: all colours travel together.
+    // Flux is counted for an intensity of one; reflect.wgsl multiplies it by the light's.
     var light = lights[photon_map.light];
     light.intensity = vec3f(1.0);
     let from_light = position - light.position_in_world;

@@ -21,7 +21,7 @@ import package::voxels::list::Face;
 @group(1) @binding(2) var<storage, read_write> sums: array<Taken>;
 @group(1) @binding(3) var<storage, read_write> direct: array<vec4f>;
 
-// A 32nd of a voxel, in the unit of `Taken`: as for a hidden layer half a voxel behind with a
+// 1/32 voxel, in `Taken`'s unit of two voxels: the lead if a layer half a voxel behind is a
 // sixteenth of the face.
 const LEAD: f32 = 0.015625;
 

@@ -34,7 +34,7 @@ fn main(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u
     let area = footprint(triangle);
     let axis = select(area.axis, instance, RASTER_METHOD == RASTER_THREE_PLANE);
     if area.is_degenerate || area.is_outside {
-        // All corners in one point out of sight.
+        // Culled: all corners at one point outside the picture.
         return Corner(vec4f(2.0, 2.0, 0.5, 1.0), index, axis);
     }
     let a = turn(triangle.a, axis).xy;

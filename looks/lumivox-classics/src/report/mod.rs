@@ -37,7 +37,7 @@ impl Default for ReportCones {
 }
 
 impl ReportCones {
-    /// The report's own tuning. Isotropic voxels, photons and one bounce belong to it.
+    /// The report's own tuning, which also has isotropic voxels, photons and one bounce.
     pub const REPORT: Self =
         Self { jitter: false, clear_of_walls: false, width_attenuation: 1.0, level_gain: 8.0 };
 

@@ -169,7 +169,7 @@ fn crowded_voxels_average_all_their_fragments() {
         .map(|i| {
             // One layer: surfaces farther apart would hide each other (layers.rs).
             let z = 6.5 + (f32::from(u16::try_from(i % 50_000).unwrap()) / 50_000.0 - 0.5) / 4096.0;
-            // The centre of the voxel's column, and of no other.
+            // Covers only the centre of the voxel's column.
             [Vec3::new(5.1, 3.1, z), Vec3::new(5.9, 3.3, z), Vec3::new(5.4, 3.9, z)]
         })
         .collect();
