@@ -9,7 +9,6 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use lumivox_scene::{self as lumivox, Scene, Shading};
 
-/// The spawned entities.
 pub struct Spawned {
     /// An entity for each instance, in the scene's order.
     pub instances: Vec<Entity>,
@@ -79,7 +78,6 @@ pub fn matt(materials: &mut Assets<StandardMaterial>, rgb: [f32; 3]) -> Handle<S
     materials.add(StandardMaterial { base_color, perceptual_roughness: 0.9, ..default() })
 }
 
-/// Converts a mesh.
 pub fn mesh(given: &lumivox::Mesh) -> Mesh {
     let list = |vectors: &[Vec3]| vectors.iter().map(Vec3::to_array).collect::<Vec<_>>();
     let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::all())

@@ -100,12 +100,10 @@ impl Stage {
         self.spawned.instances[index.expect("an instance of that name")]
     }
 
-    /// Adds an asset.
     pub fn add<A: Asset>(&mut self, asset: A) -> Handle<A> {
         self.app.world_mut().resource_mut::<Assets<A>>().add(asset)
     }
 
-    /// The camera's entity.
     pub fn camera(&mut self) -> EntityWorldMut<'_> {
         self.app.world_mut().entity_mut(self.camera)
     }
@@ -115,7 +113,6 @@ impl Stage {
         self.app.world_mut().get_mut(self.camera).expect("global illumination")
     }
 
-    /// Moves an entity.
     pub fn place(&mut self, entity: Entity, at: Vec3) {
         let mut transform = self.app.world_mut().get_mut::<Transform>(entity);
         transform.as_mut().expect("a transform").translation = at;

@@ -10,7 +10,6 @@ use lumivox::hooks::Voxelization;
 use lumivox::voxels::{FaceRecord, NodeRecord};
 use lumivox::{Geometry, Gi, GiConfig, Grid, VoxelizeStats};
 
-/// A complete list.
 #[derive(Debug)]
 pub struct ReadList {
     pub grid: Grid,
@@ -103,7 +102,6 @@ impl ReadList {
         morton_decode(self.nodes[index as usize].morton).to_array()
     }
 
-    /// The occupied voxels.
     pub fn voxels(&self) -> BTreeSet<[u32; 3]> {
         (0..self.level_starts[1]).map(|index| self.voxel(index)).collect()
     }

@@ -117,7 +117,7 @@ impl Mesh {
         mesh
     }
 
-    /// The mesh as a batch with one draw.
+    /// A batch with one draw of the mesh.
     pub fn batch(&self, device: &wgpu::Device, material: u32) -> GeometryBatch {
         let positions: Vec<[f32; 3]> = self.positions.iter().map(Vec3::to_array).collect();
         let texcoords: Vec<[f32; 2]> = self.texcoords.iter().map(Vec2::to_array).collect();
