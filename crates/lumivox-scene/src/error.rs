@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// Why a scene could not be loaded, made or saved. Each message names the file (or the scene), the
+/// An error in loading, making or saving a scene. Each message names the file (or the scene), the
 /// part of it, and a remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -63,7 +63,7 @@ pub enum SceneError {
         file: PathBuf,
         /// The part that names the other file, such as `buffer 0`.
         part: String,
-        /// The path that was tried.
+        /// The path of the other file.
         missing: PathBuf,
         /// The error of the system.
         source: std::io::Error,
@@ -126,7 +126,7 @@ pub enum SceneError {
     Version {
         /// The scene's file.
         file: PathBuf,
-        /// Its version.
+        /// The file's version.
         version: String,
         /// The remedy.
         remedy: &'static str,
@@ -178,7 +178,7 @@ pub enum SceneError {
     TooLarge {
         /// The scene's file.
         file: PathBuf,
-        /// The part that exceeds it.
+        /// The part that exceeds the budget.
         part: String,
         /// The memory that all parts up to this one need, with a unit.
         needed: String,
@@ -273,7 +273,7 @@ pub enum SceneError {
     ZeroSize {
         /// The scene's file or name.
         file: PathBuf,
-        /// That point.
+        /// The point of all vertices.
         point: String,
     },
 
@@ -316,7 +316,7 @@ pub enum SceneError {
     },
 }
 
-/// The readable formats, for the error about an unknown one.
+/// The readable formats, for the error about an unknown format.
 fn readable() -> String {
     if crate::EXTENSIONS.is_empty() {
         return "this build reads no files, turn on a feature of lumivox-scene such as gltf"

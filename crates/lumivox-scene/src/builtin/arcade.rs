@@ -1,6 +1,6 @@
-//! An arcade, 18 m long, beside a court that is open to the sky. The sun shines through
-//! its round arches onto its floor; everything else in it is lit by that patch, the court and the
-//! sky between the columns.
+//! An arcade, 18 m long, beside a court that is open to the sky. The sun shines through its round
+//! arches onto its floor; everything else in it is lit by that patch of sunlight, the court, and
+//! the sky between the columns.
 //!
 //! Hidden faces are omitted; the building is closed, so light enters only over the court.
 
@@ -25,8 +25,9 @@ const ARCHES: usize = 8;
 /// Distance between the middles of two arches.
 const BAY_M: f32 = 2.0 * HALF_LENGTH_M / ARCHES as f32;
 const ARCH_RADIUS_M: f32 = 0.9;
-/// Height at which an arch begins, and thickness of the wall that the arches carry.
+/// Height at which an arch begins.
 const SPRING_M: f32 = 2.2;
+/// Thickness of the wall above the arches.
 const SPANDREL_M: f32 = 0.4;
 const ARCH_SEGMENTS: usize = 16;
 const COLUMN_RADIUS_M: f32 = 0.2;
@@ -95,8 +96,7 @@ fn shell(scene: &mut Scene, plaster: usize, tiles: usize) {
     place(scene, "walls", merge(walls.into_iter().chain([ceiling, roof, facade])), plaster);
 }
 
-/// One arch: both sides of the wall over it up to the ceiling's height, and what it shows from
-/// below.
+/// One arch: its underside, and both sides of the wall above it up to the ceiling.
 fn arch(index: usize) -> Mesh {
     let middle = -HALF_LENGTH_M + BAY_M * (index as f32 + 0.5);
     let rim = |i: usize| {
@@ -104,7 +104,7 @@ fn arch(index: usize) -> Mesh {
         Vec2::new(middle + ARCH_RADIUS_M * angle.cos(), SPRING_M + ARCH_RADIUS_M * angle.sin())
     };
     let edge = |x: f32| Vec2::new(x, SPRING_M);
-    // From one pier's middle over the arch to the next one's.
+    // From the middle of a pier over the arch to the middle of the next pier.
     let mut outline = vec![edge(middle - 0.5 * BAY_M)];
     outline.extend((0..=ARCH_SEGMENTS).map(rim));
     outline.push(edge(middle + 0.5 * BAY_M));

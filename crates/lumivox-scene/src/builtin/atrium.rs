@@ -15,10 +15,11 @@ use crate::{Camera, Environment, Light, LightKind, Scene};
 const HALL_M: Vec2 = Vec2::new(6.0, 4.0);
 const HEIGHT_M: f32 = 6.0;
 const WALL_M: f32 = 0.3;
-/// Half the opening in the roof.
+/// Half the edges of the opening in the roof.
 const OPENING_M: Vec2 = Vec2::new(3.6, 1.7);
-/// Half the space that the gallery leaves open, and the height of its slab's two sides.
+/// Half the edges of the hole in the gallery.
 const WELL_M: Vec2 = Vec2::new(4.4, 2.0);
+/// Heights of the lower and upper side of the gallery's slab.
 const SLAB_M: [f32; 2] = [2.75, 3.0];
 const PARAPET_M: Vec2 = Vec2::new(0.12, 0.9);
 const COLUMN_RADIUS_M: f32 = 0.16;
@@ -111,7 +112,7 @@ fn cloths(scene: &mut Scene) {
     let materials = colors.map(|(name, albedo)| diffuse(scene, name, albedo));
     for side in [-1.0, 1.0] {
         for gap in 0..COLUMNS - 1 {
-            // The two sides start with different colours.
+            // The two sides of the hall start with different colours.
             let pick = (gap + usize::from(side > 0.0)) % colors.len();
             let middle = (column_x(gap) + column_x(gap + 1)) * 0.5;
             let z = side * (WELL_M.y + COLUMN_INSET_M);

@@ -10,12 +10,12 @@ use crate::{
 
 /// Albedo of white paint, as in the Cornell box.
 pub(super) const WHITE: Vec3 = Vec3::splat(0.73);
-/// The Cornell box's left wall.
+/// Albedo of the Cornell box's left wall.
 pub(super) const RED: Vec3 = Vec3::new(0.65, 0.05, 0.05);
-/// The Cornell box's right wall.
+/// Albedo of the Cornell box's right wall.
 pub(super) const GREEN: Vec3 = Vec3::new(0.12, 0.45, 0.15);
 
-/// Distance from a lamp's face down to its light, in metres.
+/// Distance from a lamp's face down to its point light, in metres.
 const LAMP_LIGHT_DROP_M: f32 = 0.04;
 
 pub(super) fn material(scene: &mut Scene, material: Material) -> usize {
@@ -34,7 +34,7 @@ pub fn lacquer(scene: &mut Scene, name: &str, color: Vec3, roughness: f32) -> us
     paint
 }
 
-/// Puts the gloss of a dielectric on a diffuse material.
+/// Gives a diffuse material the gloss of a dielectric.
 pub fn glaze(scene: &mut Scene, material: usize, roughness: f32) {
     if let Shading::MetallicRoughness(shading) = &mut scene.materials[material].shading {
         *shading = MetallicRoughness {
@@ -94,7 +94,7 @@ pub(super) fn place_at(
 pub(super) struct Lamp {
     /// The middle of the box's top, on the ceiling.
     pub(super) top: Vec3,
-    /// Half its edges along x and z, and its height, in metres.
+    /// Half the box's edges along x and z, and its height, in metres.
     pub(super) half_x_m: f32,
     pub(super) half_z_m: f32,
     pub(super) drop_m: f32,
@@ -126,7 +126,7 @@ impl Lamp {
             name: "lamp".to_owned(),
             intensity: self.intensity_cd,
             position: self.top - Vec3::Y * (self.drop_m + LAMP_LIGHT_DROP_M),
-            // Smaller than the distance to the face, so that the sphere does not touch it.
+            // Smaller than the distance to the face, which the sphere must not touch.
             radius_m: 0.03,
             ..Light::default()
         });
@@ -157,7 +157,7 @@ pub fn checker(scene: &mut Scene, name: &str, colors: [[u8; 3]; 2]) -> usize {
     material(scene, checkered)
 }
 
-/// Repeats the image on a mesh, this many times along u and v.
+/// Repeats the image on a mesh `times_u` and `times_v` times.
 pub(super) fn tile(mut mesh: Mesh, times_u: f32, times_v: f32) -> Mesh {
     for uv in &mut mesh.uvs {
         uv.x *= times_u;

@@ -34,7 +34,7 @@ pub(super) fn scene() -> Scene {
     place_at(&mut scene, "short block", block(0.6), white, short);
     place_at(&mut scene, "tall block", block(1.2), white, tall);
 
-    // The data's lamp is 130 x 105 units. Its glow is a fiftieth of the light's flux.
+    // The data's lamp is 130 x 105 units. Its emission has a fiftieth of the light's flux.
     Lamp {
         top: 2.0 * y,
         half_x_m: 0.235,

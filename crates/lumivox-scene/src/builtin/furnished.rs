@@ -67,7 +67,7 @@ pub(super) fn scene() -> Scene {
     scene
 }
 
-/// A board on four legs in the middle of the floor, by its edges and the carpet's height.
+/// A table in the middle of the floor, by its edges and the height of the carpet below it.
 fn table(size_m: Vec3, floor_m: f32) -> Mesh {
     let half = size_m * 0.5;
     let top = floor_m + size_m.y;

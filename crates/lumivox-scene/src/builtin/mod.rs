@@ -22,9 +22,9 @@ use crate::{Material, Scene, SceneError, Shading};
 /// A built-in scene.
 struct Builtin {
     name: &'static str,
-    /// Its purpose in a line.
+    /// The scene's purpose in a line.
     about: &'static str,
-    /// A kilometre large.
+    /// `true` if the scene is a kilometre wide.
     is_large: bool,
     make: fn() -> Result<Scene, SceneError>,
 }
@@ -113,7 +113,8 @@ const NAMES: [&str; ALL.len()] = {
     names
 };
 
-/// Behind the name of a scene: its matt surfaces have the gloss that modelling programs export.
+/// The suffix of a name that gives the scene's matt surfaces the gloss that modelling programs
+/// export.
 const GLOSSY: &str = "-glossy";
 
 /// The roughness of glossy surfaces.
@@ -138,9 +139,9 @@ pub fn about(name: &str) -> Option<&'static str> {
     Some(find(name)?.about)
 }
 
-/// `true` for scenes with millions of triangles over a kilometre. They open in seconds like the
-/// others, but take minutes to render on a CPU. Code that loops over all scenes should skip them,
-/// or it takes longer than for all the others together.
+/// `true` for scenes with millions of triangles over a kilometre. They open in seconds, but take
+/// minutes to render on a CPU: longer than all other scenes together. Code that loops over all
+/// scenes should skip them.
 pub fn is_large(name: &str) -> bool {
     find(name).is_some_and(|scene| scene.is_large)
 }

@@ -1,5 +1,5 @@
-//! Simple solids and surfaces. All wind counter-clockwise seen from their front, all have unit
-//! normals that agree, and tangents along growing u.
+//! Simple solids and surfaces. Triangles are counter-clockwise seen from their front; unit normals
+//! agree with them, and tangents point along growing u.
 
 use std::f32::consts::{PI, TAU};
 
@@ -26,8 +26,8 @@ impl Faces {
     pub(crate) const SIDES: Self = Self { y: [false; 2], ..Self::ALL };
 }
 
-/// A rectangle: `u` and `v` are half its edges, it faces `u` cross `v`; the image's right lies
-/// along `u`, its top along `v`.
+/// A rectangle with half edges `u` and `v` that faces `u` cross `v`; `u` points to the right of its
+/// image, `v` to the top.
 pub fn quad(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
     let normal = u.cross(v).normalize();
     Mesh {
@@ -71,7 +71,7 @@ pub fn interior(min: Vec3, max: Vec3) -> Mesh {
         *normal = -*normal;
     }
     // Normals and winding are both reversed. The bitangent n x t * w must still point to the
-    // image's top; flip_winding ensures that by its change of w.
+    // image's top; `flip_winding` negates w for that.
     mesh
 }
 
@@ -83,8 +83,9 @@ pub(crate) struct FrameFaces {
     pub(crate) outer: bool,
 }
 
-/// A rectangular ring around the y axis, such as four walls or a roof with an opening: half the
-/// outer and the inner edges along x and z, from `y[0]` to `y[1]`. Its inner faces always exist.
+/// A rectangular ring around the y axis, such as four walls or a roof with an opening. `outer` and
+/// `inner` are half its edges along x and z; it reaches from `y[0]` to `y[1]`. Its inner faces
+/// always exist.
 pub(crate) fn frame(outer: Vec2, inner: Vec2, y: [f32; 2], faces: FrameFaces) -> Mesh {
     let mut mesh = Mesh::default();
     let middle = (y[0] + y[1]) * 0.5;
@@ -166,7 +167,7 @@ pub fn sphere(radius_m: f32, segments: u32) -> Mesh {
 pub(crate) fn cylinder(base: Vec3, radius_m: f32, height_m: f32, segments: u32) -> Mesh {
     let mut mesh = Mesh::default();
     for segment in 0..=segments {
-        // The seam closes exactly: the last column repeats the first one's angle.
+        // The last column has the first one's angle exactly, so that the seam is closed.
         let azimuth = TAU * (segment % segments) as f32 / segments as f32;
         let normal = Vec3::new(azimuth.cos(), 0.0, -azimuth.sin());
         let tangent = Vec3::new(-azimuth.sin(), 0.0, -azimuth.cos());

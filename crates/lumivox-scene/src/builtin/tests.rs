@@ -5,15 +5,15 @@ use glam::{DVec3, Mat4, Vec3};
 use super::{is_large, names, scene};
 use crate::{Instance, Scene, SceneError, Shading};
 
-/// Triangles in world space, with their corners' normals, and a ball around them: most rays miss
-/// most things.
+/// Triangles of an instance in world space, with the normals of their corners, and a sphere around
+/// them for quick rejection.
 struct Thing {
     middle: DVec3,
     radius_m: f64,
     triangles: Vec<([DVec3; 3], [DVec3; 3])>,
 }
 
-/// Every instance.
+/// All instances.
 fn things(scene: &Scene) -> Vec<Thing> {
     let thing = |instance: &Instance| {
         let mesh = &scene.meshes[instance.mesh];
@@ -33,7 +33,7 @@ fn things(scene: &Scene) -> Vec<Thing> {
 /// The nearest hit along a ray: its distance, and whether it meets the front (Moller & Trumbore
 /// 1997, "Fast, minimum storage ray-triangle intersection", without culling).
 fn cast(things: &[Thing], origin: DVec3, dir: DVec3) -> Option<(f64, bool)> {
-    // Far more than the slack below lets a ray pass outside of a triangle.
+    // The margin is far larger than the slack below.
     let is_near = |thing: &&Thing| {
         (thing.middle - origin).cross(dir).length() <= (thing.radius_m + 1e-3) * dir.length()
     };

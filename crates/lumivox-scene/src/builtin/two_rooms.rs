@@ -20,7 +20,7 @@ pub(super) fn scene(doorway: bool) -> Scene {
     let blue = diffuse(&mut scene, "blue", Vec3::new(0.10, 0.20, 0.62));
     let yellow = diffuse(&mut scene, "yellow", Vec3::new(0.70, 0.55, 0.12));
 
-    // The shells of both rooms, each open towards the other at x = 0.
+    // The shells of both rooms, open at x = 0.
     let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
     let shell = |at: f32| {
         let middle = x * at;
@@ -58,7 +58,7 @@ pub(super) fn scene(doorway: bool) -> Scene {
 }
 
 fn dividing_wall(doorway: bool) -> Mesh {
-    // Rectangles in y and z of each of the two faces.
+    // The rectangles of each face of the wall, in y and z.
     let [near, far] = DOOR_Z_M;
     let pieces: &[[[f32; 2]; 2]] = if doorway {
         &[[[0.0, 2.0], [-1.0, near]], [[DOOR_HEIGHT_M, 2.0], DOOR_Z_M], [[0.0, 2.0], [far, 1.0]]]

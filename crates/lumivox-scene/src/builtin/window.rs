@@ -70,7 +70,7 @@ fn keep_walls(room: &mut Mesh) {
     room.indices = room.triangles().filter(is_kept).flatten().map(|i| i as u32).collect();
 }
 
-/// Inner and outer side of the wall round the window, and the window's reveal.
+/// The inner and outer side of the wall around the window, and the window's reveal.
 fn window_wall() -> Mesh {
     let [z0, z1] = WINDOW_Z_M;
     let [y0, y1] = WINDOW_Y_M;

@@ -152,8 +152,8 @@ impl Channels {
     }
 }
 
-/// Prefixes of the channels of each layer with colours in a part of the file, such as Blender's
-/// `View Layer.Combined.`; the picture itself comes before its passes.
+/// Channel prefixes of the layers with colours in a part of the file, such as Blender's `View
+/// Layer.Combined.`; the picture itself comes before its render passes.
 fn prefixes(header: &Header) -> Vec<String> {
     let names: Vec<String> = header.channels.list.iter().map(|c| c.name.to_string()).collect();
     let has = |name: String| names.contains(&name);
@@ -167,7 +167,7 @@ fn prefixes(header: &Header) -> Vec<String> {
     prefixes
 }
 
-/// A message that says which of several colour layers is shown.
+/// A warning that says which layer is shown, if several have colours.
 fn tell_layers(meta: &MetaData) -> Option<String> {
     let layers = meta.headers.iter().filter(|header| !header.deep).flat_map(|header| {
         let part = header.own_attributes.layer_name.as_ref().map(Text::to_string);
@@ -207,7 +207,7 @@ fn warnings(header: &Header, place: &Placement) -> Vec<String> {
         header.shared_attributes.chromaticities
     {
         let given = [red.0, red.1, green.0, green.1, blue.0, blue.1, white.0, white.1];
-        // Files round to a thousandth.
+        // Files round chromaticities to a thousandth.
         if given.iter().zip(BT_709).any(|(given, own)| (given - own).abs() > 2e-3) {
             let told = "the environment map's colours count as linear sRGB, though the file names \
                         other primaries";

@@ -44,8 +44,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
         }
     }
     if is_upside_down {
-        // Reverses rows and columns at once; the rows are restored below unless they are mirrored,
-        // too.
+        // Reverses the order of the rows, and each row; unless the picture is mirrored, too, each
+        // row is reversed again below.
         rgb.reverse();
     }
     if is_upside_down != is_mirrored {
@@ -53,8 +53,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
     }
     let mut map = EnvironmentMap { width, height, rgb, ..EnvironmentMap::default() };
 
-    // Divides by the factors that programs have applied to the file: the product of all EXPOSURE
-    // lines.
+    // Divides by the factors that programs have already applied: the product of all EXPOSURE lines.
     let exposure = meta.exposure.unwrap_or(1.0);
     let (r, g, b) = meta.color_correction.unwrap_or((1.0, 1.0, 1.0));
     let divisor = [r * exposure, g * exposure, b * exposure];
@@ -74,10 +73,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
     Ok(map)
 }
 
-/// The picture with LF line endings in its header.
+/// Changes the line endings of the header to LF.
 fn with_line_feeds(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Fault> {
     let (mut head, mut rest, mut is_header, mut is_changed) = (Vec::new(), bytes, true, false);
-    // The line after the empty one gives the size.
+    // The line after the header's empty line gives the size.
     loop {
         let end = rest.iter().position(|&byte| byte == b'\n').ok_or_else(|| {
             Fault::broken("it was cut off: it ends before the texels, within its header")
@@ -103,9 +102,9 @@ fn with_line_feeds(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Fault> {
     Ok(Cow::Owned(head))
 }
 
-/// The picture with its header in the only form that the decoder reads: rows that run down and to
-/// the right, of red, green and blue. Also whether its rows run up, run to the left, or are
-/// columns; and whether its colours are CIE XYZ.
+/// Changes the header to the only form that the decoder reads: RGB, in rows from the top and from
+/// the left. Also returns if the picture is upside down, mirrored, or in columns; and if its
+/// colours are CIE XYZ.
 fn plain(bytes: &[u8]) -> (Cow<'_, [u8]>, [bool; 3], bool) {
     let begin = bytes.windows(2).position(|pair| pair == b"\n\n").map_or(0, |at| at + 2);
     let line = bytes[begin..].split(|&byte| byte == b'\n').next().unwrap_or_default();

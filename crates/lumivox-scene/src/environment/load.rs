@@ -15,10 +15,10 @@ use crate::{EnvironmentMap, SceneError, read_regular};
 
 /// The most texels of a map: 16 384 x 8192, 1.5 GiB.
 const MOST_TEXELS: u64 = 1 << 27;
-/// Texels that any file may claim, however short: 96 MiB, and ...
+/// Texels that any file may claim, however short: 96 MiB.
 const FREE_TEXELS: u64 = 1 << 23;
-/// ... the additional texels for each of its bytes; the compressions of Radiance and OpenEXR reach
-/// 16 and 350.
+/// Additional texels that a file may claim for each of its bytes; Radiance's compression reaches
+/// 16, OpenEXR's 350.
 const TEXELS_PER_BYTE: u64 = 512;
 /// The most bytes for decoding a common picture: the largest map with 16 bits a channel, and a
 /// little more.
@@ -35,7 +35,7 @@ impl Fault {
         Self { reason: reason.into(), remedy }
     }
 
-    /// The bytes break their format.
+    /// The fault of bytes that violate their format.
     pub(super) fn broken(reason: impl std::fmt::Display) -> Self {
         Self::new(format!("{reason}"), "export or download it again")
     }
@@ -63,8 +63,8 @@ impl EnvironmentMap {
         from_bytes(path, &bytes)
     }
 
-    /// Reads a file in memory in the same way. `name` replaces its path in messages and becomes the
-    /// map's name.
+    /// As [`EnvironmentMap::load`], for a file in memory. `name` replaces its path in messages and
+    /// becomes the map's name.
     ///
     /// # Errors
     /// As [`EnvironmentMap::load`], except for the disk.
@@ -167,7 +167,7 @@ fn has_16_bits(picture: &DynamicImage) -> bool {
     picture.color().bytes_per_pixel() > picture.color().channel_count()
 }
 
-/// IEC 61966-2-1: from encoded values to linear ones.
+/// Converts sRGB-encoded values to linear ones (IEC 61966-2-1).
 fn linear(texels: impl Iterator<Item = [u16; 3]>, most: u16) -> Vec<[f32; 3]> {
     let decode = |value: u16| {
         let encoded = f64::from(value) / f64::from(most);

@@ -1,4 +1,4 @@
-//! The directions of a map's texels, and their light.
+//! The directions of a map's texels, and integrals over them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,9 +7,9 @@ use glam::{DVec3, Vec3};
 use crate::EnvironmentMap;
 
 impl EnvironmentMap {
-    /// The unit vector towards a place of the picture, in the map's own frame (before
+    /// The unit vector towards a position in the picture, in the map's own frame (before
     /// [`Environment::rotation_rad`](crate::Environment::rotation_rad)): `x` in texels from the
-    /// left edge, `y` from the top edge; a texel's middle is at a half.
+    /// left edge, `y` from the top edge; the middle of the first texel is at 0.5, 0.5.
     pub fn direction(&self, x: f32, y: f32) -> Vec3 {
         let azimuth = (f64::from(x) / f64::from(self.width) - 0.5) * TAU;
         let polar = f64::from(y) / f64::from(self.height) * PI;

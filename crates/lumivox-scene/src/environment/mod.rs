@@ -1,8 +1,8 @@
-//! Surroundings: pictures of them from files, a computed sky, and a studio.
+//! Surroundings: pictures from files, a computed sky, and a studio.
 //!
 //! A picture is equirectangular (see [`EnvironmentMap`] for the directions of its texels). Few
-//! files are in cd/m²: panoramas are stitched from photographs in a unit of their own. One unit of
-//! a file counts as 1 cd/m², and [`Environment::radiance`](crate::Environment::radiance) multiplies
+//! files are in cd/m²: panoramas are stitched from photographs in an arbitrary unit. One unit of a
+//! file counts as 1 cd/m², and [`Environment::radiance`](crate::Environment::radiance) multiplies
 //! it.
 
 #[cfg(feature = "panoramas")]

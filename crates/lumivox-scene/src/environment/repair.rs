@@ -3,8 +3,8 @@
 
 use crate::EnvironmentMap;
 
-/// The largest value that can be a radiance: 600 000 times that of the sun in cd/m². Larger ones
-/// are overflows, and would outshine all else.
+/// The largest possible radiance: 600 000 times that of the sun in cd/m². Larger values are
+/// overflows, and would outshine everything.
 const MOST: f32 = 1e15;
 
 impl EnvironmentMap {

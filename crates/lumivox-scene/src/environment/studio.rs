@@ -1,4 +1,4 @@
-//! A photographer's studio: the surroundings of things without light of their own.
+//! A photographer's studio: the surroundings of things without their own light.
 //!
 //! Large soft boxes give soft light and calm reflections; a wall merges without an edge into a
 //! ground that catches shadows. Everything is neutral grey and in cd/m², as in a bright studio: the
@@ -53,17 +53,17 @@ const BOXES: [SoftBox; 4] = [
         luminance_cd_m2: 400.0,
     },
 ];
-/// The edge of a box fades over this angle.
+/// The angle over which the edge of a box fades.
 const EDGE_DEG: f32 = 4.0;
 
-/// A studio.
+/// A photographer's studio.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Studio {
     /// The surroundings of the thing, cd/m²; the middle (-z) is behind the thing for a camera that
-    /// looks along -z. Below the horizon it is the ground, far away.
+    /// looks along -z. Below the horizon it shows the distant ground.
     pub map: EnvironmentMap,
-    /// The share of the light that the ground reflects, such that it is as bright as the foot of
-    /// the wall, and its end is invisible.
+    /// The albedo of the ground, which makes it as bright as the foot of the wall, so that its end
+    /// is invisible.
     pub ground_albedo: f32,
     /// Illuminance of the ground, lx.
     pub ground_lux: f32,
@@ -81,7 +81,7 @@ impl Studio {
                 map.rgb.push([luminance(way); 3]);
             }
         }
-        // The map has no light from the ground yet.
+        // The map does not contain light from the ground yet.
         let ground_lux = map.irradiance(Vec3::Y).x;
         Self { ground_albedo: PI * WALL_CD_M2[0] / ground_lux, map, ground_lux }
     }
@@ -114,7 +114,7 @@ fn luminance(way: Vec3) -> f32 {
 }
 
 impl SoftBox {
-    /// 1 within the box, 0 outside, and between them at its edge.
+    /// 1 inside the box, 0 outside, and in between at its edge.
     fn cover(&self, way: Vec3) -> f32 {
         let azimuth = self.azimuth_deg.to_radians();
         let (up, level) = self.elevation_deg.to_radians().sin_cos();

@@ -1,4 +1,4 @@
-//! Panoramas from files that the tests write.
+//! Panoramas from files that these tests write.
 
 use std::io::Cursor;
 use std::path::PathBuf;
@@ -80,7 +80,7 @@ fn radiance_and_openexr_hold_the_same_texels() {
         assert!(map.warnings.is_empty(), "{:?}", map.warnings);
         for (index, rgb) in map.rgb.iter().enumerate() {
             let expected = texel(index as u32 % width, index as u32 / width);
-            // 8 bits of mantissa, shared.
+            // Channels share one exponent, and have 8 bits of mantissa.
             close(*rgb, expected, 1.0 / 128.0);
         }
     }
@@ -103,7 +103,7 @@ fn panorama_texels_light_the_documented_directions() {
         let mut map = EnvironmentMap { width, height, ..EnvironmentMap::default() };
         map.rgb = vec![[0.0; 3]; (width * height) as usize];
         map.rgb[(y * width + x) as usize] = [7.0; 3];
-        // A texel is 0.1 rad wide, so its middle is up to 0.07 rad off the corner meant.
+        // A texel is 0.1 rad wide, so its middle is up to 0.07 rad from `direction`.
         assert!(map.direction(x as f32 + 0.5, y as f32 + 0.5).dot(direction) > 0.99);
         let facing = map.irradiance(direction).x;
         let expected = 7.0 * map.solid_angle_sr(y) as f32;
@@ -124,7 +124,7 @@ fn constant_surroundings_have_their_closed_forms() {
     }
 }
 
-/// The exposure of a camera is divided out again; signatures of other programs are accepted, too.
+/// The exposure of a camera is divided out; signatures of other programs are accepted.
 #[test]
 fn radiance_files_undo_exposure_and_colour_correction() {
     let folder = Folder::new();
@@ -143,10 +143,10 @@ fn display_pictures_are_decoded_from_srgb_with_a_warning() {
     let mut bytes = Cursor::new(Vec::new());
     let picture = RgbImage::from_fn(8, 4, |x, _| Rgb([if x == 0 { 255 } else { 188 }, 10, 0]));
     picture.write_to(&mut bytes, ImageFormat::Png).unwrap();
-    // The first bytes count, not the name.
+    // The first bytes decide the format, not the name.
     let map = folder.load("sky.hdr", &bytes.into_inner()).unwrap();
     assert_eq!(map.rgb[0][0], 1.0);
-    // 188 is the code of half the light (0.5029), 10 lies in the straight part of the curve.
+    // sRGB 188 is half the light (0.5029); 10 is in the linear part of the curve.
     close(map.rgb[1], [0.502_886, 0.003_035, 0.0], 1e-5);
     assert!(map.warnings[0].contains("cut off at white"), "{:?}", map.warnings);
 }
@@ -228,7 +228,7 @@ fn rows_may_run_in_either_direction() {
         let map = EnvironmentMap::from_memory("sky.hdr", &bytes).unwrap();
         map.rgb.iter().map(|texel| (texel[0] * 16.0).round() as u32).collect::<Vec<_>>()
     };
-    // The white of sRGB in XYZ.
+    // sRGB's white in XYZ.
     let xyz = [0x79, 0x80, 0x8b, 0x80].repeat(2);
     let xyz =
         [b"#?RADIANCE\nra_xyze a.hdr\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 2\n", &xyz[..]].concat();
@@ -261,7 +261,7 @@ fn bad_files_say_what_is_wrong() {
     let text = message("a.hdr", b"what is this");
     assert!(text.contains("a.hdr") && text.contains("give a Radiance (.hdr)"), "{text}");
 
-    // A bomb: few bytes, many texels.
+    // A decompression bomb: few bytes, many texels.
     let bomb = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8192 +X 16384\n\x01\x02\x03\x04";
     let text = message("a.hdr", bomb);
     assert!(text.contains("claims 16384 x 8192 texels in"), "{text}");
@@ -301,7 +301,7 @@ fn broken_files_never_panic() {
             }
         }
     }
-    // Run lengths of zero, whose factor grows with each.
+    // Run lengths of zero: the decoder's factor grows with each.
     let mut runs = b"#?RADIANCE\n\n-Y 1 +X 16\n\x09\x09\x09\x09".to_vec();
     runs.extend([1, 1, 1, 0].repeat(12));
     folder.load("a.hdr", &runs).unwrap_err();
@@ -367,7 +367,7 @@ fn a_warning_names_the_openexr_layer_that_is_shown() {
         ["the environment map has 2 layers with colours: \"View.Combined\" is shown, and not \
           \"Glow\"; save another one alone to see it"]
     );
-    // Parts of a file, too.
+    // Layers in separate parts of a file.
     let layer = |name: &str, red: f32| {
         let channels = SpecificChannels::rgb(move |_: Vec2<usize>| (red, 0.0_f32, 0.0_f32));
         Layer::new((4, 2), LayerAttributes::named(name), Encoding::FAST_LOSSLESS, channels)

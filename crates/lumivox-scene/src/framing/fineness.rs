@@ -16,13 +16,13 @@ use crate::{Bounds, Light};
 const DIRECTIONS: usize = 16;
 /// The fewest voxels over which light should travel.
 const NEAR_VOXELS: f32 = 2.0;
-/// The largest acceptable share of rays that end closer.
+/// The largest acceptable share of rays that end within `NEAR_VOXELS`.
 const MOST_NEAR: f32 = 1.0 / 3.0;
 /// The least share of rays that must hit anything: under the open sky little light goes from
 /// surface to surface.
 const LEAST_MET: f32 = 0.02;
-/// A map loses shadows below this many texels above a surface, since receivers are offset from
-/// their surface by that much.
+/// A map loses the shadows of occluders within this many texels of a surface: receivers are offset
+/// by that much.
 const LOST_TEXELS: f32 = 2.0;
 /// The largest acceptable share of points in shadow whose shadow is lost.
 const MOST_LOST: f32 = 1.0 / 3.0;
@@ -56,8 +56,8 @@ pub struct ShadowMapFineness {
 
 impl ShadowMapFineness {
     /// The shadow of a light at a surface that faces it; `None` if there is no shadow. `bounds` is
-    /// the scene's box. `distance` gives the distance, m, to the first surface in a direction, from
-    /// a point this many metres above the surface.
+    /// the scene's box. `distance(height, direction)` gives the distance, m, to the first surface,
+    /// from a point `height` metres above the surface.
     pub fn shade(
         &self,
         light: &Light,
@@ -103,8 +103,8 @@ impl ShadowMapFineness {
 pub struct Shade {
     /// Edge of a texel of the light's shadow map at the surface, m.
     pub texel_m: f32,
-    /// `true` if the map loses this shadow: it does not reach up to the offset point at which the
-    /// map is sampled.
+    /// `true` if the map loses this shadow: the shadow does not reach up to the offset point at
+    /// which the map is sampled.
     pub is_lost: bool,
 }
 
@@ -115,8 +115,8 @@ pub(super) struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    /// A note if voxels are coarse compared with the distances between the visible surfaces and
-    /// what lights them.
+    /// A note if voxels are coarse compared with the distances from the visible surfaces to the
+    /// surfaces that light them.
     pub(super) fn coarse_voxels(&self, voxel_m: f32) -> Option<Note> {
         let (mut cast, mut met, mut near) = (0, 0, 0);
         for patch in self.patches {

@@ -1,4 +1,4 @@
-//! The view of a place: from a free spot at eye height that shows as much of the place as possible.
+//! The view of a place, from a free spot at eye height that shows as much of it as possible.
 //!
 //! Spots are points of the survey, moved to eye height above the floor that they see. The value of
 //! a view is the share of the place's [patches](super::survey::Survey::patches) that it shows,
@@ -26,15 +26,17 @@ const EYE_OF_WIDTH: f32 = 0.4;
 /// The steepest tilt up or down.
 const STEEPEST_RAD: f32 = 0.12;
 
-/// The most spots that are tried, the azimuths for each, and the views whose picture is rated.
+/// The most spots that are tried.
 const SPOTS: usize = 250;
+/// Azimuths that are tried at each spot.
 const AZIMUTHS: usize = 32;
+/// The most views whose picture is rated.
 const FINALISTS: usize = 200;
 /// Directions in which a spot looks around.
 const LOOKS: usize = 96;
 /// The positions in a picture at which it is rated, across and up.
 const PICTURE: usize = 9;
-/// The distance, in unit space, at which a surface counts half.
+/// A surface at this distance, in unit space, counts half.
 const CLOSE: f32 = 0.15;
 /// The value of a picture position that shows the sky.
 const SKY: f32 = 0.5;
@@ -52,7 +54,7 @@ struct Spot {
     seen: Vec<usize>,
 }
 
-/// The spots above, below or at some points.
+/// The spots at eye height above, below or at some points.
 fn spots(rays: &Rays, points: &[Vec3], patches: &[Patch]) -> Vec<Spot> {
     let spot = |point: Vec3| {
         let eye = eye(rays, point)?;
@@ -110,12 +112,12 @@ pub(super) fn view(
         *worth *= openness(rays, spot.eye, *forward, half);
     }
     let (_, share, spot, level) = views.into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a })?;
-    // Tilted a little towards the middle of what is ahead.
+    // Tilts the view a little towards the middle of the visible surfaces.
     let reach = |way: Vec3| rays.cast_visible(spot.eye, way).map_or(0.0, |hit| hit.distance);
     let rise = (reach(Vec3::Y) - reach(Vec3::NEG_Y)) * 0.5;
     let pitch = (rise / reach(level).max(1e-3)).atan().clamp(-STEEPEST_RAD, STEEPEST_RAD);
     let forward = level * pitch.cos() + Vec3::Y * pitch.sin();
-    // Rays may miss thin things that are closer.
+    // The rays of `clearance` may miss thin things that are closer.
     let near_m = 0.05 * spot.clearance;
     let view = Camera::look_at(spot.eye, spot.eye + forward, vertical_fov_rad);
     Some((Camera { forward, near_m, ..view }, share))
@@ -157,13 +159,13 @@ fn eye(rays: &Rays, point: Vec3) -> Option<Vec3> {
     // Under the open sky, the visible extent counts as the height.
     let highest = || around.iter().map(|hit| hit.position.y).fold(point.y, f32::max);
     let top = seen(Vec3::Y).map_or_else(highest, |hit| hit.position.y);
-    // Near a corner the least width says little about the room.
+    // Near a corner, the least width is not that of the room.
     let across = |way: Vec3| Some(seen(way)?.distance + seen(-way)?.distance);
     let width = median((0..AZIMUTHS / 2).map(azimuth).filter_map(across).collect());
     let over_floor = (EYE_OF_HEIGHT * (top - floor)).min(EYE_OF_WIDTH * width.unwrap_or(1.0));
     let eye = Vec3::new(point.x, floor + over_floor, point.z);
     let is_reached = eye == point || rays.is_free(point, eye - point, 1.0);
-    // Neither just above a table nor just below a ceiling.
+    // The eye must be neither just above a table nor just below a ceiling.
     let is_free = eye.y - below > 0.4 * over_floor && top - eye.y > 0.1 * over_floor;
     (is_reached && is_free).then_some(eye)
 }

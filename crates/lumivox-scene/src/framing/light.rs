@@ -38,9 +38,10 @@ const STARLIGHT_LUX: f32 = 0.01;
 const LIT: f32 = 0.125;
 /// The share of the visible points of a thing that lamps must light; the rest is their shadow.
 const LAMPS_REACH: f32 = 0.3;
-/// The share of what is seen that light must reach if emission contributes, which lights only its
-/// vicinity: most of a place, nearly all of a thing.
+/// The share of the visible points of a place that must be lit if emission contributes: it only
+/// lights its vicinity.
 const EMISSION_REACHES_PLACE: f32 = 0.6;
+/// As `EMISSION_REACHES_PLACE`, for a thing.
 const EMISSION_REACHES_THING: f32 = 0.9;
 
 /// The standpoint of the camera.
@@ -133,16 +134,17 @@ fn texel(texture: &Texture, reference: TextureRef, uv: Vec2) -> Option<Vec3> {
     (r.max(g).max(b) > BLACK).then_some(linear.into())
 }
 
-/// ITU-R BT.709-6, section 3.2.
+/// Luminance of a linear colour (ITU-R BT.709-6, section 3.2).
 fn luminance(rgb: Vec3) -> f32 {
     rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// Illuminance of some points, lx.
+/// Illuminance of points by the scene's own light, lx.
 pub(super) struct OwnLight {
     by_lamps: Vec<f32>,
     by_all: Vec<f32>,
-    /// The mean illuminance by lamps, and by the flux of all emission over the area.
+    /// The mean illuminance by lamps, plus the flux of all emission divided by the scene's area,
+    /// lx.
     enclosed_lux: f32,
 }
 
@@ -262,8 +264,8 @@ fn used(scene: &Scene) -> impl Iterator<Item = &Material> {
 }
 
 impl Scene {
-    /// Whether there is any light, however little: a lamp, an environment, or a surface in use that
-    /// emits, or if all surfaces are unlit.
+    /// Whether there is any light: a lamp, an environment, or a visible surface that emits; also if
+    /// all surfaces are unlit.
     pub fn shines(&self) -> bool {
         self.shines_without_emission() || self.emits()
     }

@@ -1,11 +1,11 @@
 //! Lights for scenes that have too little: lamps in closed rooms, a sun in open places.
 //!
-//! A lamp is placed where it sees most of what no lamp sees yet, below the ceiling and away from
-//! the walls; lamps are added until nearly everything is lit. In a closed room all flux of a lamp
-//! reaches the surfaces that it sees, 4 pi I on the area A, so an intensity of `I = E A / (4 pi)`
-//! gives them the mean illuminance E. The area comes from rays: each of n rays represents `4 pi /
-//! n` of solid angle, and so `4 pi / n * d^2 / cos` of surface, hence I is E times the mean of `d^2
-//! / cos`.
+//! A lamp is placed where it sees most of the points that no lamp sees yet, below the ceiling and
+//! away from the walls; lamps are added until nearly everything is lit. In a closed room all flux
+//! of a lamp reaches the surfaces that it sees, 4 pi I on the area A, so an intensity of `I = E A /
+//! (4 pi)` gives them the mean illuminance E. The area comes from rays: each of n rays represents
+//! `4 pi / n` of solid angle, and so `4 pi / n * d^2 / cos` of surface, hence I is E times the mean
+//! of `d^2 / cos`.
 
 use std::f32::consts::TAU;
 
@@ -21,18 +21,19 @@ const MEAN_LUX: f32 = 300.0;
 const MOST_LAMPS: usize = 8;
 /// The height of a lamp, as a share of the free height.
 const HEIGHT: f32 = 0.8;
-/// Candidate positions of lamps, and points to be lit.
+/// Candidate positions of lamps.
 const PLACES: usize = 100;
+/// Points to be lit by lamps.
 const POINTS: usize = 400;
 /// No more lamps are added below this share of dark points.
 const DARK: f32 = 0.05;
 /// Rays that measure a room from a lamp.
 const LOOKS: usize = 2048;
-/// The least cosine of a ray: the few at grazing angles would dominate the area's error. The bias
-/// is less than a hundredth for a cube.
+/// The least cosine of a ray: the few rays at grazing angles would dominate the area's error. The
+/// bias is less than a hundredth for a cube.
 const GRAZING: f32 = 0.02;
-/// The radius of a lamp, as a share of the distance to the nearest surface: soft shadows, and far
-/// from touching anything.
+/// The radius of a lamp, as a share of the distance to the nearest surface: shadows are soft, and
+/// the lamp touches nothing.
 const RADIUS: f32 = 0.1;
 
 /// The direction of the key light of things: to the left of the camera, and above.
@@ -88,7 +89,7 @@ pub(super) fn lamp(rays: &Rays, position: Vec3) -> Option<Light> {
         nearest = nearest.min(hit.distance);
         area += hit.distance * hit.distance / hit.normal.dot(-way).max(GRAZING);
     }
-    // Flux is lost through gaps: only the rays that hit stay inside.
+    // Only the rays that hit count: the flux of the others is lost through gaps.
     let intensity = MEAN_LUX * area / hits.max(1) as f32 * rays.unit.scale_m * rays.unit.scale_m;
     (hits > 0).then(|| Light {
         name: "default lamp".to_owned(),
@@ -99,14 +100,14 @@ pub(super) fn lamp(rays: &Rays, position: Vec3) -> Option<Light> {
     })
 }
 
-/// The direction of the sun: where it lights most of a place, or else above and to the left of the
-/// camera.
+/// The direction to the sun: the one that lights most of a place, or else above and to the left of
+/// the camera.
 pub(super) fn towards_sun(rays: &Rays, patches: &[Patch], eye: Vec3, forward: Vec3) -> Vec3 {
     entering(rays, patches, eye).unwrap_or_else(|| key(forward))
 }
 
 fn key(forward: Vec3) -> Vec3 {
-    // Looking straight down, "left" is that of a camera that came from +z.
+    // If the camera looks straight down, "left" is -x.
     let level = Vec3::new(forward.x, 0.0, forward.z).try_normalize().unwrap_or(Vec3::NEG_Z);
     let right = level.cross(Vec3::Y);
     let (left, back) = KEY_AZIMUTH_RAD.sin_cos();
@@ -114,7 +115,7 @@ fn key(forward: Vec3) -> Vec3 {
     (-level * back - right * left) * along + Vec3::Y * up
 }
 
-/// The sun that reaches the most surfaces of a place; `None` if none reaches any.
+/// The direction of the sun that lights the most surfaces of a place; `None` if none lights any.
 ///
 /// Half of the surfaces are those visible from all over the place. The other half are those visible
 /// from the eye, if it is inside: a patch of sunlight there makes the picture.

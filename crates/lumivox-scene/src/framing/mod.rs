@@ -1,11 +1,11 @@
 //! The first view of a scene: a camera and light for files that have none, or not enough.
 //!
 //! Everything is derived from one [survey](survey) of the scene by rays: a place (a room, a hall)
-//! is viewed from inside, or through its opening if it lacks a wall; a thing (a helmet, a terrain)
-//! from outside, from the side that shows most of it. The scene's own light is measured where the
-//! view's rays hit; if it is not enough, lamps light a closed place, sun and sky an open one, and a
-//! studio everything else. All computation is in a [unit space](rays), so a scene in millimetres
-//! gives the same result as one in kilometres.
+//! is viewed from inside, or through its opening if a wall is missing; a thing (a helmet, a
+//! terrain) from outside, from the side that shows most of it. The scene's own light is measured
+//! where the view's rays hit; if it is not enough, lamps light a closed place, sun and sky an open
+//! one, and a studio everything else. All computation is in a [unit space](rays), so a scene in
+//! millimetres gives the same result as one in kilometres.
 //!
 //! It takes about 300 000 rays and is deterministic.
 //!
@@ -51,7 +51,7 @@ const OPENING: f32 = 0.3;
 /// A camera with surfaces in this share of all directions is inside. In front of something flat the
 /// share is less than half.
 const AROUND: f32 = 0.55;
-/// The number of directions that are tested for that.
+/// The number of directions that are tested for `AROUND`.
 const LOOKS: usize = 96;
 
 /// The result of the survey of a scene, for a default camera and default lights. It borrows
@@ -93,9 +93,9 @@ impl Framing {
         self.is_place() && self.survey.sky < CLOSED
     }
 
-    /// The view that shows the scene best in a picture of that aspect (width over height): a place
-    /// from inside, a thing from outside. A place that lacks a wall is viewed through the open
-    /// side.
+    /// The best view of the scene for a picture of that aspect (width over height): a place from
+    /// inside, a thing from outside. If a wall of the place is missing, the view is through the
+    /// open side.
     pub fn camera(&self, aspect: f32) -> Camera {
         self.chosen(aspect).0
     }
@@ -128,8 +128,8 @@ impl Framing {
     }
 
     /// A view of the whole scene from outside, with a vertical field of view of 45 degrees, as
-    /// large as it fits into a picture of that aspect. It looks from where most of the surface is
-    /// visible, and into a place through its opening.
+    /// large as it fits into a picture of that aspect. It shows as much of the surface as possible,
+    /// and a place through its opening.
     pub fn outside(&self, aspect: f32) -> Camera {
         let (rays, patches, aspect) = (&self.rays, &self.survey.patches, sane(aspect));
         let subject = Subject::of(rays, self.is_place());
@@ -164,7 +164,7 @@ impl Framing {
             return Standpoint::Outside;
         }
         let is_inside = self.surrounds(camera);
-        // Walls that are modelled only for the inside are transparent from outside: the room is
+        // Walls that are only modelled for the inside are transparent from outside, so the room is
         // visible.
         if self.is_enclosed() && (is_inside || self.survey.is_made_for_inside) {
             Standpoint::ClosedRoom

@@ -24,29 +24,32 @@ const FILL: f32 = 0.92;
 /// The usual side: the front (+z, as in glTF), a little from the right (+x) and from above.
 const AZIMUTH_RAD: f32 = 0.645;
 const ELEVATION_RAD: f32 = 0.412;
-/// Elevations, and their penalties as a share of the greatest visibility: for a thing, and for a
-/// view into an opening, which is level.
+/// Elevations that are tried.
 const ELEVATIONS_RAD: [f32; 7] =
     [ELEVATION_RAD, 0.17, 0.87, 0.0, -ELEVATION_RAD, FRAC_PI_2, -FRAC_PI_2];
+/// The penalties of the elevations for a thing, as a share of the greatest visibility.
 const THING: [f32; 7] = [0.0, 0.05, 0.1, 0.05, 0.2, 0.35, 0.5];
+/// The penalties for a view into an opening: level views are best.
 const OPENING: [f32; 7] = [0.15, 0.12, 0.2, 0.0, 0.35, 0.35, 0.5];
-/// Azimuths around the usual one; the four along the axes are added.
+/// Azimuths that are tried, starting at the usual one; the four along the axes are added.
 const AZIMUTHS: usize = 12;
-/// The penalty of the opposite side.
+/// The penalty of the azimuth opposite the usual one.
 const BEHIND: f32 = 0.1;
-/// A thing thinner along an axis than this share of its length is a board; views along that axis
-/// have this share of their penalty.
+/// A thing thinner along an axis than this share of its length is a board.
 const THIN: f32 = 0.05;
+/// The factor of the penalty of views along a board's thin axis.
 const ALONG_THIN: f32 = 0.1;
-/// The number of points by which a view is judged.
+/// The number of points of the surface that are tested for each view.
 const POINTS: usize = 512;
 
-/// The share of the scene that the rest must not exceed, and that a ground or a dome spans.
+/// Without ground and dome, the rest must not exceed this share of the scene.
 const SMALL: f32 = 0.5;
+/// The least share of the scene that a ground or a dome spans.
 const SPANS: f32 = 0.6;
-/// The greatest thickness of a ground, and the least height of what stands on it, as shares of
-/// their widths. The parts of a circuit board are flat; the board belongs to them.
+/// The greatest thickness of a ground, as a share of its width.
 const FLAT: f32 = 0.05;
+/// The least height of the rest, as a share of its width: flat parts of a circuit board need the
+/// board.
 const STANDS: f32 = 0.2;
 /// The share of a dome's area that faces inwards, and no other side.
 const INWARD: f32 = 0.9;
@@ -101,7 +104,7 @@ impl Subject {
         let turns = (0..AZIMUTHS).map(|step| step as f32 / AZIMUTHS as f32 * 2.0).chain(axes);
         let mut judged = Vec::new();
         for turn in turns {
-            // From -1 to 1, in half turns from the usual side.
+            // The azimuth from the usual side in half turns, -1 to 1.
             let turn = (turn + 1.0).rem_euclid(2.0) - 1.0;
             for (elevation_rad, penalty) in ELEVATIONS_RAD.into_iter().zip(penalties) {
                 let is_vertical = elevation_rad.abs() >= FRAC_PI_2;
@@ -123,7 +126,7 @@ impl Subject {
         }
         let most = judged.iter().map(|(share, ..)| *share).fold(f32::MIN_POSITIVE, f32::max);
         let worth = |(share, penalty, _): &(f32, f32, Vec3)| share / most - penalty;
-        // Strictly better: the first of equals wins.
+        // `>`, so that the first of equal views wins.
         let best = judged.iter().reduce(|a, b| if worth(b) > worth(a) { b } else { a });
         fit(&self.corners, best.map_or(Vec3::Z, |best| best.2), aspect)
     }
@@ -183,7 +186,7 @@ fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> Camera {
     }
 }
 
-/// Removes a ground and a dome around a small rest from triangles.
+/// Removes the triangles of a ground or a dome if the rest of the scene is small.
 fn leave_out_surroundings(rays: &Rays, triangles: &mut Vec<&Triangle>) {
     // Connected pieces, by union-find with path halving (Tarjan and van Leeuwen 1984).
     let mut parent: Vec<u32> = (0..rays.positions.len() as u32).collect();

@@ -1,4 +1,4 @@
-//! All triangles of a scene, and rays against them.
+//! All triangles of a scene, and their intersections with rays.
 //!
 //! Everything is in *unit space*: the middle of the scene's bounds is the origin, and the longest
 //! edge is 1. So a scene in millimetres gives the same numbers as one in kilometres.
@@ -6,9 +6,9 @@
 //! The cost is bounded by vertex clustering (Rossignac and Borrel 1993, "Multi-resolution 3D
 //! approximations for rendering complex scenes"): the vertices in a grid cell become one, and
 //! triangles that collapse are dropped. Cells of 1e-6 only merge equal vertices; they grow while
-//! there are too many triangles, or slivers whose boxes overlap, as in the fans of thousands around
-//! one corner that CAD writes. Dropping random triangles would be simpler, but a closed room must
-//! stay closed.
+//! there are too many triangles, or slivers whose boxes overlap, such as CAD's fans of thousands
+//! around one corner. Dropping random triangles would be simpler, but a closed room must stay
+//! closed.
 
 use std::collections::hash_map::Entry;
 
@@ -27,12 +27,13 @@ use crate::{AlphaMode, Bounds, Instance, Material, Scene, Shading};
 pub(super) const LIFT: f32 = 1e-4;
 /// Surfaces closer together than this are one double-sided surface: fifty rounding errors.
 const COINCIDENT: f32 = 3e-6;
-/// Cells along the longest edge: at first, and in scenes that must be simplified.
+/// Cells along the longest edge: at first, and for scenes that must be simplified.
 const CELLS: [u32; 2] = [1 << 20, 1024];
 const MOST_TRIANGLES: usize = 1_000_000;
-/// The most boxes of triangles that a ray may cross on average, about ten if they are well-shaped;
-/// cells do not grow for that beyond this number along the longest edge.
+/// Cells grow while a ray crosses more boxes of triangles than this on average; well-shaped
+/// triangles give about ten.
 const MOST_BOXES: f32 = 96.0;
+/// The fewest cells along the longest edge that `MOST_BOXES` leads to.
 const COARSEST: u32 = 32;
 
 /// The transform of the scene to unit space.
@@ -56,7 +57,7 @@ impl Unit {
     }
 }
 
-/// The sides of a surface for rays.
+/// The sides of a surface that block rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sides {
     /// The front is visible; the back is transparent.
@@ -105,7 +106,7 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    /// The same place on the other side of the surface.
+    /// The patch on the other side of the surface.
     pub(super) fn other_side(self) -> Self {
         Self { position: self.position - 2.0 * LIFT * self.normal, normal: -self.normal, ..self }
     }
@@ -139,7 +140,7 @@ pub(super) struct Rays {
     pub(super) positions: Vec<Vec3>,
     pub(super) triangles: Vec<Triangle>,
     bvh: Bvh2,
-    /// For each leaf, which blocks rays, the index of its triangle and its shape.
+    /// The index of each leaf's triangle; transparent triangles have no leaf.
     leaves: Vec<u32>,
     shapes: Vec<RtTriangle>,
 }
@@ -147,7 +148,7 @@ pub(super) struct Rays {
 impl Rays {
     pub(super) fn of(scene: &Scene) -> Self {
         let bounds = scene.bounds();
-        // A scene without size is invalid, but must not break anything.
+        // A scene of size zero is invalid, but must not divide by zero.
         let scale_m = bounds.size().max_element().max(f32::MIN_POSITIVE);
         let unit = Unit { center: bounds.center(), scale_m, half: bounds.size() * 0.5 / scale_m };
         let mut cells = CELLS[usize::from(scene.triangle_count() > MOST_TRIANGLES)];
@@ -172,8 +173,8 @@ impl Rays {
         };
         let boxes: Vec<Aabb> = solid.iter().map(|at| Aabb::from_points(&corners(at))).collect();
         let order: Vec<u32> = (0..boxes.len() as u32).collect();
-        // The crate's own `fast_build`, spelled out because its helper reads the clock, which
-        // browsers do not have.
+        // The steps of the crate's `fast_build`, whose helper reads a clock that browsers do not
+        // have.
         let mut bvh =
             PlocBuilder::new().build(PlocSearchDistance::Low, &boxes, order, SortPrecision::U64, 2);
         leaf_collapser::collapse(&mut bvh, 8, 3.0);
@@ -226,7 +227,7 @@ impl Rays {
         if first.is_front {
             return Some(first);
         }
-        // If a front is at the same position, pictures show the front.
+        // If a front and a back coincide, pictures show the front.
         let limit = first.distance + COINCIDENT;
         let front = self.nearest(origin, direction, limit, |index| self.faces(index, direction));
         Some(front.filter(|hit| hit.distance >= first.distance - COINCIDENT).unwrap_or(first))
@@ -289,7 +290,7 @@ impl Triangle {
     }
 }
 
-/// The triangles with the vertices of each cell merged into the first of them, so that flat
+/// The triangles after merging the vertices of each cell into its first vertex, so that flat
 /// surfaces stay flat; `None` if there are too many.
 fn clustered(scene: &Scene, unit: Unit, cells: u32) -> Option<(Vec<Vec3>, Vec<Triangle>)> {
     let sides = |instance: &Instance| {
@@ -313,7 +314,7 @@ fn clustered(scene: &Scene, unit: Unit, cells: u32) -> Option<(Vec<Vec3>, Vec<Tr
         vertices.clear();
         for &local in &mesh.positions {
             let position = unit_from_local.transform_point3(local);
-            // Matrices near the largest float may overflow; losing one corner is harmless.
+            // Positions near the largest float may overflow; a wrong corner is harmless.
             let position = if position.is_finite() { position } else { Vec3::ZERO };
             let cell = ((position + unit.half) * cells as f32).as_uvec3().to_array();
             vertices.push(match vertex_of_cell.entry(cell) {
@@ -330,7 +331,7 @@ fn clustered(scene: &Scene, unit: Unit, cells: u32) -> Option<(Vec<Vec3>, Vec<Tr
             if a == b || b == c || c == a {
                 continue;
             }
-            // In large cells a triangle may come again, starting at another corner.
+            // In large cells, triangles may become equal, except for their first corner.
             let mut key = corners;
             while key[0] != a.min(b).min(c) {
                 key.rotate_left(1);

@@ -20,7 +20,7 @@ pub enum Staging {
     Studio,
     /// The sun and the [sky](crate::sky) of a clear day, whatever the scene's own light.
     Sky,
-    /// Nothing: the scene is as its file has it, even if it is dark.
+    /// Nothing is added, even if the scene is dark.
     None,
 }
 
@@ -69,7 +69,7 @@ const THIN: f32 = 24.0;
 /// A scene with at least this many triangles is large.
 const LARGE: usize = 50_000;
 
-/// A choice that was made for the user; show it to the user.
+/// A choice made for the user, to be shown to the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
     /// The subject: `camera`, `light`, `grid` or `shadows`.
@@ -98,8 +98,8 @@ pub struct Sight {
 }
 
 impl Sight {
-    /// Decides without changing the scene. `framing` is computed only if it is needed, and can be
-    /// reused as long as the scene's triangles stay the same.
+    /// Chooses camera and light without changing the scene. `framing` is computed only if it is
+    /// needed, and can be reused as long as the scene's triangles stay the same.
     pub fn of(scene: &Scene, options: &SightOptions, framing: &OnceCell<Framing>) -> Self {
         let survey = || framing.get_or_init(|| Framing::of(scene));
         let mut notes = Vec::new();
@@ -112,7 +112,7 @@ impl Sight {
         let light = match options.staging {
             Staging::None => None,
             Staging::Studio => {
-                // Dim enough for the scene's own glow to be visible.
+                // The added light is dim enough for the scene's own emission to be visible.
                 let emission = Emission::of(scene, &survey().rays);
                 Some(survey().studio(&camera, &emission))
             }
@@ -158,8 +158,8 @@ impl Framing {
         let emission = Emission::of(scene, &self.rays);
         let at = |points: &[Patch]| OwnLight::at(points, scene, &self.rays, &emission);
         let mut own = at(&light::seen(scene, &self.rays, camera, aspect));
-        // A place is more than what is visible of it, and a scene with its own camera is composed:
-        // a dark room may be intended.
+        // Also measures the whole place, or the whole thing if the camera is the scene's own: the
+        // dark view may then be intended.
         let whole = if self.is_place() {
             self.survey.patches.clone()
         } else if scene.cameras.contains(camera) {
@@ -203,14 +203,14 @@ pub(super) fn three_digits(value: f32) -> String {
 }
 
 impl Scene {
-    /// Decides how a scene is seen, and adds light if its own is not enough: see [`Sight`].
+    /// Chooses a camera, and adds light if the scene's own is not enough: see [`Sight`].
     pub fn stage(&mut self, options: &SightOptions) -> Sight {
         let sight = Sight::of(self, options, &OnceCell::new());
         self.light_up(&sight);
         sight
     }
 
-    /// Adds the decided light.
+    /// Adds the light of `sight`.
     pub fn light_up(&mut self, sight: &Sight) {
         if let Some(light) = &sight.light {
             tracing::info!("the scene \"{}\" is lit by {light}", self.name);

@@ -18,8 +18,8 @@ use crate::{Camera, Environment, EnvironmentMap, Instance, Light, Material, Mesh
 const REACH: f32 = 30.0;
 /// The smallest factor of a studio's light, which then gives a tenth of a lux.
 const DIMMEST: f32 = 1e-4;
-/// The depth of a ground below the scene, as a share of its size: flat parts of the scene must not
-/// share its plane.
+/// The depth of a ground below the scene, as a share of the scene's size: flat parts of the scene
+/// must not be coplanar with it.
 const BELOW: f32 = 1e-3;
 /// The margin around the scene, as a share of its size, within which the ground is voxelized, if
 /// the grid reaches that far.
@@ -28,13 +28,12 @@ const AROUND: f32 = 0.1;
 const EDGE: usize = 48;
 /// Rays that search for a ground, along each side of the scene.
 const PLUMBS: usize = 16;
-/// The least share of its bounds that a landscape covers, seen from above; from below its back is
-/// visible.
+/// The least share of its bounds that a landscape covers, seen from above.
 const COVERED: f32 = 0.8;
 /// The height of a landscape, as a share of its width.
 const RELIEF: std::ops::RangeInclusive<f32> = 0.01..=0.6;
 
-/// Light for a scene that has too little of its own; physical values in all cases.
+/// Light for a scene that has too little of its own, in physical units.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DefaultLight {
     /// The sun and the [sky](crate::sky) of a clear day. In a place the sun is where it lights most
@@ -113,8 +112,7 @@ impl DefaultLight {
         }
     }
 
-    /// The added lamps or sun. They are appended after the scene's own lights, even if those are
-    /// dark: a rig refers to its lights by index.
+    /// The added lamps or sun. They follow the scene's own lights, to which a rig refers by index.
     pub(super) fn lights(&self) -> &[Light] {
         match self {
             Self::SunAndSky { sun, .. } => std::slice::from_ref(sun),
@@ -132,8 +130,8 @@ impl Ground {
         Self { center, radius_m: REACH * unit.scale_m, half_m, material }
     }
 
-    /// Adds two pieces, the outer one slightly lower: the part far outside the grid need not be
-    /// voxelized.
+    /// Adds two instances: the part near the scene, and, slightly lower, the part far outside the
+    /// grid, which is not voxelized.
     fn put_into(&self, scene: &mut Scene) {
         let name = &self.material.name;
         let far =
@@ -182,14 +180,14 @@ impl Ground {
     }
 }
 
-/// Texels around the sky's horizon. Tests only check the sun's direction, and use a coarse sky.
+/// Texels of the sky around the horizon. Tests use a coarse sky, since they only check the sun.
 fn sky_width() -> u32 {
     if cfg!(test) { 32 } else { SkySettings::default().width }
 }
 
 impl Framing {
-    /// Light for the scene as if it had none, to suit the view of `camera`: lamps in a closed room,
-    /// sun and sky in other places and over landscapes, otherwise a studio.
+    /// Light for the view of `camera`, as if the scene had none: lamps in a closed room, sun and
+    /// sky in other places and over landscapes, otherwise a studio.
     pub(super) fn light(&self, camera: &Camera, emission: &Emission) -> DefaultLight {
         if self.standpoint(camera) == Standpoint::ClosedRoom {
             let lamps = lights::lamps(&self.rays, &self.survey.interior);
@@ -207,7 +205,7 @@ impl Framing {
         if is_day { self.day(camera) } else { self.studio(camera, emission) }
     }
 
-    /// Sun and sky, and a ground below things.
+    /// Sun and sky, with a ground below a thing.
     pub(super) fn day(&self, camera: &Camera) -> DefaultLight {
         let eye = self.rays.unit.unit_from_world(camera.position);
         let patches = &self.survey.patches;

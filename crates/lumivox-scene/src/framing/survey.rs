@@ -27,16 +27,18 @@ const OUTSIDE: usize = 4096;
 /// The most points from which floors and walls are searched.
 const STANDS: usize = 200;
 
-/// A point is in the air if more than this share of the surfaces it sees are fronts.
+/// A point is in the air if at least this share of the surfaces that it sees are fronts.
 const IN_AIR: f32 = 0.75;
-/// `IN_AIR` for files that wind half of their walls the wrong way round: the air must then be free
-/// up to a distance, in unit space, which it is not in a bush of double-sided leaves.
+/// `IN_AIR` for files that wind half of their walls the wrong way round, if the point also has a
+/// distance of `FREE` from all surfaces.
 const MUDDLED: f32 = 0.35;
+/// In unit space; a point in a bush of double-sided leaves is not free.
 const FREE: f32 = 0.03;
-/// The share of the directions in which a point sees a surface: if it is roughly surrounded, in a
-/// room that lacks a wall, and under a roof with a window.
+/// The least share of directions in which a roughly surrounded point sees a surface.
 const SURROUNDED: f32 = 0.7;
+/// That share in a room without one wall.
 const WALLED: f32 = 0.85;
+/// That share under a roof with a window.
 const ROOFED: f32 = 0.95;
 /// The least extent of a place along an axis, in unit space: 0.6 in Sponza, 0.3 in a helmet on a
 /// stand, about 0.35 in a car.
@@ -55,16 +57,17 @@ const LEVEL: f32 = 0.8;
 const FLOORED: [f32; 2] = [0.65, 0.75];
 /// Floors, ceilings and walls are tilted by less than 20 degrees: sine and cosine.
 const UPRIGHT: [f32; 2] = [0.34, 0.94];
-/// Their share of the visible surfaces if the outside is modelled as well: 0.4 in a ball.
+/// The least share of floors, ceilings and walls among the visible surfaces if the outside is
+/// modelled: 0.4 in a ball.
 const BUILT: f32 = 0.65;
 
-/// The result of the rays.
+/// The result of the survey.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Survey {
     /// The points of the place at which one can stand; empty for a thing.
     pub(super) interior: Vec<Vec3>,
-    /// The patches visible from there; their weights sum to one. An instance with n patches has the
-    /// root of n of the weight, so that furniture counts beside walls.
+    /// The patches visible from `interior`; their weights sum to one. The weight of an instance
+    /// with n patches is proportional to the root of n, so that furniture counts beside walls.
     pub(super) patches: Vec<Patch>,
     /// Whether walls show their backs outside: they were made to be seen from inside.
     pub(super) is_made_for_inside: bool,
@@ -87,7 +90,7 @@ impl Survey {
             let fronts = share(&seen, |hit| hit.is_front);
             let is_free = seen.iter().all(|hit| hit.distance >= FREE);
             let is_in_air = seen.is_empty() || fronts >= IN_AIR || (fronts >= MUDDLED && is_free);
-            // Outside a convex body, a point sees it in less than half of all directions.
+            // A point outside a convex body sees it in less than half of all directions.
             body += f32::from(u8::from(!is_in_air || hits > 0.5));
             if is_in_air && hits >= SURROUNDED {
                 air.push(position);
@@ -96,7 +99,8 @@ impl Survey {
                 sealed += f32::from(u8::from(hits >= 1.0));
                 roofed.extend((hits >= ROOFED).then_some(position));
             }
-            // A shell without thickness whose front faces outwards, as sketching programs make it.
+            // The inside of a shell without thickness whose front faces outwards, as sketching
+            // programs write.
             let is_shell = share(&seen, |hit| hit.is_double_sided) >= 0.9 && fronts < MUDDLED;
             if !is_in_air && hits >= ROOFED && is_shell {
                 shell.push(position);
@@ -147,7 +151,7 @@ fn share<T>(all: &[T], counts: impl Fn(&T) -> bool) -> f32 {
     all.iter().filter(|one| counts(one)).count() as f32 / all.len().max(1) as f32
 }
 
-/// At most `most` of some points, evenly.
+/// At most `most` of the points, in even steps.
 pub(super) fn few(points: &[Vec3], most: usize) -> impl Iterator<Item = Vec3> + Clone {
     points.iter().step_by(points.len().div_ceil(most).max(1)).copied()
 }

@@ -43,7 +43,7 @@ impl Camera {
     #[must_use]
     pub fn look_at(position: Vec3, target: Vec3, vertical_fov_rad: f32) -> Self {
         let forward = (target - position).normalize_or(Vec3::NEG_Z);
-        // Beyond about 0.08 degrees from the vertical, +y no longer fixes the roll in f32.
+        // Within about 0.08 degrees of the vertical, +y no longer fixes the roll in f32.
         let up = if forward.y.abs() > 0.999_999 { Vec3::NEG_Z } else { Vec3::Y };
         Self { position, forward, up, vertical_fov_rad, ..Self::default() }
     }
@@ -53,7 +53,7 @@ impl Camera {
     pub fn world_from_camera(&self) -> Mat4 {
         let backward = -self.forward.normalize_or(Vec3::NEG_Z);
         let right = self.up.cross(backward).try_normalize();
-        // An up along the line of sight leaves the roll open: any right angle will do.
+        // If `up` is along the line of sight, any orthogonal vector will do.
         let right = right.unwrap_or_else(|| backward.any_orthonormal_vector());
         let up = backward.cross(right);
         Mat4::from_cols(

@@ -16,7 +16,7 @@ pub struct Light {
     pub name: String,
     /// The kind of light. Default: a point light.
     pub kind: LightKind,
-    /// Luminous intensity in candela, of a spot light inside its inner cone; of a directional
+    /// Luminous intensity in candela, for a spot light inside its inner cone; for a directional
     /// light, illuminance in lux of a surface that faces it (noon sun: about 100 000). Default: 1.
     pub intensity: f32,
     /// Linear RGB factor of the intensity. Default: white (1, 1, 1).
@@ -96,7 +96,8 @@ impl Default for Light {
 }
 
 impl Light {
-    /// A new light of a kind, yet to be placed: a lamp of 100 cd, a noon sun from above.
+    /// A new light of a kind, to be placed by the caller: a lamp of 100 cd or a noon sun from
+    /// above.
     pub fn typical(kind: LightKind) -> Self {
         let lamp = Self { kind, intensity: 100.0, ..Self::default() };
         match kind {
@@ -112,7 +113,7 @@ impl Light {
         }
     }
 
-    /// The inner and outer angle of its cone, in radians; `None` if it shines in all directions.
+    /// The inner and outer angle of a spot light's cone, in radians; `None` for other lights.
     pub fn cone_rad(&self) -> Option<[f32; 2]> {
         (self.kind == LightKind::Spot).then_some([self.inner_angle_rad, self.outer_angle_rad])
     }
@@ -139,7 +140,7 @@ impl LightKind {
     /// All kinds.
     pub const ALL: [Self; 3] = [Self::Point, Self::Spot, Self::Directional];
 
-    /// Its name in files and records.
+    /// The kind's name in files and records.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Point => "point",
@@ -148,12 +149,12 @@ impl LightKind {
         }
     }
 
-    /// Its name for people: in the console and panels.
+    /// The kind's name in the console and in panels.
     pub const fn word(self) -> &'static str {
         if self.is_parallel() { "sun" } else { self.name() }
     }
 
-    /// A sentence on it, without a full stop.
+    /// A sentence about the kind, without a full stop.
     pub const fn summary(self) -> &'static str {
         match self {
             Self::Point => "A lamp that shines in all directions",
@@ -162,7 +163,7 @@ impl LightKind {
         }
     }
 
-    /// The unit of its intensity.
+    /// The unit of [`Light::intensity`].
     pub const fn unit(self) -> &'static str {
         if self.is_parallel() { "lux" } else { "cd" }
     }
@@ -172,12 +173,12 @@ impl LightKind {
         matches!(self, Self::Directional)
     }
 
-    /// `true` if it has the field of this name.
+    /// `true` if lights of this kind have the field.
     pub fn has(self, field: &str) -> bool {
         self.fields().any(|own| own.name == field)
     }
 
-    /// The fields that it has.
+    /// The fields of lights of this kind.
     pub fn fields(self) -> impl Iterator<Item = &'static LightField> {
         LIGHT_FIELDS.iter().filter(move |field| field.kinds.contains(&self))
     }

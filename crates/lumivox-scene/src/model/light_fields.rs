@@ -13,9 +13,9 @@ use super::{Attenuation, Light, LightKind};
 pub struct LightField {
     /// Its name in the console.
     pub name: &'static str,
-    /// Other names there.
+    /// Other names in the console.
     pub aliases: &'static [&'static str],
-    /// Its name in records of the page and of Python: with its unit.
+    /// Its name in records of the page and of Python, with the unit.
     pub key: &'static str,
     /// Its title in panels and messages.
     pub title: &'static str,
@@ -23,17 +23,17 @@ pub struct LightField {
     pub summary: &'static str,
     /// The form of its value.
     pub form: LightForm,
-    /// The kinds of light that have it.
+    /// The kinds of light that have the field.
     pub kinds: &'static [LightKind],
     unit: &'static str,
-    /// The least and the greatest number that may be set. Scenes may exceed it, except for angles
-    /// and a least number of 0 or more.
+    /// The least and the greatest number that may be set. Files may exceed them, except the maximum
+    /// of an angle and a minimum of at least 0.
     range: (f64, f64),
-    /// The name of a field that it may not exceed.
+    /// The name of the field that is its upper limit.
     limit: Option<&'static str>,
     get: fn(&Light) -> Option<Vec3>,
     set: fn(&mut Light, Vec3),
-    /// Removes the value; `None` if there must be one.
+    /// Removes the value; `None` if the field always has one.
     clear: Option<fn(&mut Light)>,
 }
 
@@ -216,12 +216,12 @@ const fn row(
     LightField { name, key, title, summary, ..ROW }
 }
 
-/// A bound in few characters.
+/// Formats a bound in few characters.
 fn short(number: f64) -> String {
     if number.abs() >= 1e6 { format!("{number:e}") } else { number.to_string() }
 }
 
-/// A number in place of a vector.
+/// Stores a number as a vector.
 fn one(number: f32) -> Vec3 {
     Vec3::new(number, 0.0, 0.0)
 }
@@ -235,7 +235,7 @@ pub fn degrees(angle_rad: f32) -> f64 {
 }
 
 impl Light {
-    /// Its name, kind, and the fields of its kind by key.
+    /// The light's name, kind, and the fields of that kind by key.
     pub fn record(&self) -> impl Iterator<Item = (&'static str, LightValue)> {
         let own = [("name", &*self.name), ("kind", self.kind.name())];
         let own = own.map(|(key, text)| (key, LightValue::Text(text.to_owned())));
@@ -280,17 +280,17 @@ impl Light {
 }
 
 impl LightField {
-    /// `true` if there may be no value.
+    /// `true` if the field may have no value.
     pub fn is_optional(&self) -> bool {
         self.clear.is_some()
     }
 
-    /// The unit of its values for a light of this kind; empty without one.
+    /// The unit of the field for a light of this kind; empty if it has none.
     pub fn unit(&self, kind: LightKind) -> &'static str {
         if self.unit == CANDELA { kind.unit() } else { self.unit }
     }
 
-    /// The least and the greatest number of its value.
+    /// The least and the greatest number that may be set for a light.
     pub fn range(&self, light: &Light) -> (f64, f64) {
         let limit = self.limit.and_then(|name| LIGHT_FIELDS.iter().find(|row| row.name == name));
         match limit.map(|limit| limit.value(light)) {
@@ -299,7 +299,7 @@ impl LightField {
         }
     }
 
-    /// The value of a light: numbers with the fewest digits that give back their bits.
+    /// The field's value in a light: numbers with the fewest digits that give back their bits.
     pub fn value(&self, light: &Light) -> LightValue {
         let shown = |number: f32| match self.unit {
             DEGREE => degrees(number),
@@ -312,10 +312,10 @@ impl LightField {
         }
     }
 
-    /// Sets the value of a light.
+    /// Sets the field of a light.
     ///
     /// # Errors
-    /// The allowed values in words, if this is none of them; then the light has not changed.
+    /// The allowed values in words, if `value` is not one of them; the light is then unchanged.
     pub fn set_value(&self, light: &mut Light, value: &LightValue) -> Result<(), String> {
         let radians = |number: f64| if self.unit == DEGREE { number.to_radians() } else { number };
         let mut changed = light.clone();
@@ -340,8 +340,8 @@ impl LightField {
         Ok(())
     }
 
-    /// Checks the value of a light of a scene: files may have brighter, larger and farther lights
-    /// than those that are set.
+    /// Checks the field of a light of a scene: lights of files may be brighter, larger and farther
+    /// away than those that users set.
     ///
     /// # Errors
     /// The allowed values in words.

@@ -21,19 +21,18 @@ pub struct Material {
     pub normal_texture: Option<TextureRef>,
     /// Factor of x and y of the normal texture. Default: 1; 0 switches the texture off.
     pub normal_scale: f32,
-    /// The meaning of the base colour's alpha. Default: nothing (opaque).
+    /// The use of the base colour's alpha. Default: none (opaque).
     pub alpha: AlphaMode,
     /// Whether the back side is visible, too, with the normal reversed. Default: no.
     pub double_sided: bool,
-    /// For single-sided surfaces: `true` if light passes them from behind instead of being blocked,
-    /// for stages that are open to one side. Default: no. Files do not store this; `--open-backs`
-    /// sets it for a whole scene.
+    /// `true` if light from behind passes a single-sided surface, for stages that are open to one
+    /// side. Default: no. Files do not store this; `--open-backs` sets it for a whole scene.
     pub open_behind: bool,
     /// A clear coat. Default: none.
     pub clearcoat: Clearcoat,
     /// The sheen of cloth. Default: none.
     pub sheen: Sheen,
-    /// Light that passes as through a pane of glass. Default: none.
+    /// Light that passes the surface as a pane of glass. Default: none.
     pub transmission: Transmission,
     /// The surface's properties in the look of VXCT, if its scene gives them. Default: none; that
     /// look then uses the fields above. Physical renderers ignore it.
@@ -199,9 +198,9 @@ pub struct Strengths {
     pub color: Vec3,
     /// The share of a light that the surface shows in any orientation. Default: 0.08.
     pub ambient: f32,
-    /// The share that depends on how much it faces the light. Default: 1.
+    /// The share that is multiplied by the cosine to the light. Default: 1.
     pub diffuse: f32,
-    /// The share in the middle of the highlight; also the factor of reflected light. Default: 0.5.
+    /// The share in the middle of the highlight; also a factor of reflections. Default: 0.5.
     pub specular: f32,
     /// Exponent of the highlight; higher is sharper. Default: 32.
     pub shininess: f32,
@@ -225,7 +224,7 @@ impl Default for Strengths {
 }
 
 impl Strengths {
-    /// The closest physical surface.
+    /// Converts to the closest physical surface.
     ///
     /// A lamp that gives a white diffuse surface a radiance of L has an irradiance of E = pi L on a
     /// surface that faces it. The diffuse albedo that gives `diffuse * color * L` is `diffuse *
@@ -264,9 +263,9 @@ impl Default for Unlit {
 /// A thin, clear layer of an index of refraction of 1.5 on top (`KHR_materials_clearcoat`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clearcoat {
-    /// The covered share of the surface, 0 (the default) to 1.
+    /// The share of the surface that the coat covers, 0 (the default) to 1.
     pub strength: f32,
-    /// Its perceptual roughness, 0 (the default) to 1.
+    /// The coat's perceptual roughness, 0 (the default) to 1.
     pub roughness: f32,
     /// Data texture (linear) that multiplies `strength` by its red and `roughness` by its green.
     pub texture: Option<TextureRef>,
@@ -293,13 +292,13 @@ pub struct Transmission {
     pub texture: Option<TextureRef>,
 }
 
-/// The meaning of the base colour's alpha (glTF 2.0, section 3.9.4).
+/// The use of the base colour's alpha (glTF 2.0, section 3.9.4).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AlphaMode {
-    /// Nothing; the surface is solid.
+    /// Alpha is ignored; the surface is solid.
     #[default]
     Opaque,
-    /// The surface exists where alpha is at least the cutoff.
+    /// The surface only exists where alpha is at least the cutoff.
     Mask {
         /// The threshold, 0 to 1. glTF's default: 0.5.
         cutoff: f32,

@@ -1,4 +1,4 @@
-//! Triangles, and their places in the world.
+//! Meshes, and their instances in the world.
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
@@ -40,8 +40,8 @@ impl Mesh {
         self.indices.chunks_exact(3).map(|t| [t[0] as usize, t[1] as usize, t[2] as usize])
     }
 
-    /// Reverses every triangle's winding and every bitangent, for a copy that a mirroring transform
-    /// places, so that its front stays its front.
+    /// Reverses every triangle's winding and every bitangent: under a mirroring transform, front
+    /// sides then stay front sides.
     pub(crate) fn flip_winding(&mut self) {
         for triangle in self.indices.chunks_exact_mut(3) {
             triangle.swap(1, 2);
@@ -61,8 +61,8 @@ pub(crate) fn any_tangent(normal: Vec3) -> Vec4 {
 ///
 /// The loader reverses the winding of meshes that a transform mirrors (negative determinant), so
 /// the front of a triangle is counter-clockwise in *world* space whatever the determinant's sign.
-/// Normals need the inverse transpose of the matrix, sign included: the adjugate without it would
-/// turn them inwards under a mirror.
+/// Normals need the inverse transpose of the matrix, including the determinant's sign: without it a
+/// mirror would turn them inwards.
 ///
 /// The default is the first mesh with the first material and no transform, static, voxelized and
 /// shown.
@@ -77,19 +77,16 @@ pub struct Instance {
     pub material: usize,
     /// Affine transform from the mesh's local space to the world. Invertible.
     pub world_from_local: Mat4,
-    /// Whether it stays unchanged while others move, so that renderers may cache data made from it.
-    /// By default everything is static except for things that an animation can reach, by a node, a
-    /// bone or a morph target.
+    /// `true` if it never moves, so that renderers may cache data made from it. Default: yes,
+    /// unless an animation can move it, by a node, a bone or a morph target.
     pub is_static: bool,
-    /// Whether its surface is in the voxels, so that it takes part in indirect light. Otherwise it
-    /// is still drawn, casts shadows from shadow maps, and is visible to rays of the reference.
-    /// Default: yes.
+    /// `true` if it is voxelized, and so takes part in indirect light. Otherwise it is still drawn,
+    /// casts shadows from shadow maps, and is visible to rays of the reference. Default: yes.
     pub is_voxelized: bool,
-    /// Whether it is treated as absent: neither drawn nor voxelized, without shadow, outside
-    /// [`Scene::bounds`](super::Scene::bounds); it is only stored and saved
-    /// (`KHR_node_visibility`). Default: no.
+    /// `true` if it is ignored, except that it is saved (`KHR_node_visibility`): neither drawn nor
+    /// voxelized, without shadow, outside [`Scene::bounds`](super::Scene::bounds). Default: no.
     pub is_hidden: bool,
-    /// Whether it belongs to the surroundings, such as the ground of a studio: drawn, lit and
+    /// `true` if it belongs to the surroundings, such as the ground of a studio: drawn, lit and
     /// voxelized within the grid, but outside [`Scene::bounds`](super::Scene::bounds), so that
     /// neither the grid nor a camera is fitted to it. Default: no.
     pub is_backdrop: bool,

@@ -1,4 +1,4 @@
-//! The types of a scene, one file per idea.
+//! The types of a scene.
 
 mod bounds;
 mod camera;

@@ -1,4 +1,4 @@
-//! The scene as a whole.
+//! The scene, its bounds, and its transforms.
 
 use std::collections::BTreeMap;
 
@@ -51,18 +51,18 @@ pub struct LoadNotes {
     pub generator: Option<String>,
     /// The extensions of the format that the file uses (glTF), understood or not.
     pub extensions_used: Vec<String>,
-    /// The required ones among them.
+    /// The extensions that the file requires.
     pub extensions_required: Vec<String>,
     /// The file's scenes in order, by their names or numbers (glTF, VXCT); see
     /// [`LoadOptions::scene`](crate::LoadOptions::scene).
     pub scenes: Vec<String>,
-    /// The names of nodes with a light or a camera that has another name, and that name (glTF); see
+    /// The names of nodes whose light or camera has another name, and that name (glTF); see
     /// [`Scene::name_on`].
     pub nodes: BTreeMap<String, String>,
 }
 
-/// Bounding boxes of a scene's instances. A caller that stores them only pays for instances that
-/// move, not for the whole scene.
+/// Bounding boxes of a scene's instances. A caller that stores them only has to update those of
+/// instances that move.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InstanceBounds {
     boxes: Vec<Bounds>,
@@ -84,7 +84,7 @@ impl InstanceBounds {
         }
     }
 
-    /// The box around an instance; [`Bounds::EMPTY`] beyond the last.
+    /// The box around an instance; [`Bounds::EMPTY`] if it does not exist.
     pub fn get(&self, instance: usize) -> Bounds {
         self.boxes.get(instance).copied().unwrap_or(Bounds::EMPTY)
     }
@@ -106,16 +106,16 @@ impl InstanceBounds {
 }
 
 impl Scene {
-    /// The name of the light or camera on the file's node of that name; otherwise `node` itself.
+    /// The name of the light or camera on the file's node `node`; `node` itself if there is none.
     pub fn name_on<'a>(&'a self, node: &'a str) -> &'a str {
         self.notes.nodes.get(node).map_or(node, String::as_str)
     }
 
-    /// Converts a position to the file's coordinates, m: the shortest decimals of each number, or
-    /// to a micrometre if there is an [`Scene::origin`].
+    /// Converts a position to the file's coordinates, m: as the shortest decimals, or rounded to a
+    /// micrometre if [`Scene::origin`] is not zero.
     pub fn to_file(&self, place: Vec3) -> DVec3 {
         if self.origin == DVec3::ZERO {
-            // The shortest decimals that read as this f32.
+            // The shortest decimal that parses as this f32.
             let decimal = |number: f32| number.to_string().parse().unwrap_or(f64::from(number));
             return DVec3::from_array(place.to_array().map(decimal));
         }
@@ -176,8 +176,8 @@ impl Scene {
     }
 
     /// Moves everything, lights and cameras included, by a rigid motion (rotation and translation;
-    /// scale would change distances to lights and so their effect). The surroundings stay. The box
-    /// of the voxels, whose axes are the world's, grows to hold its old content.
+    /// scale would change distances to lights and so their effect). The surroundings stay. The
+    /// axis-aligned box of the voxels grows to hold its old content.
     pub fn transform(&mut self, rigid: Mat4) {
         if let Some(rig) = &mut self.rig {
             rig.transform(rigid);
@@ -202,8 +202,8 @@ impl Scene {
     /// Rotates everything that [`Scene::transform`] moves about the centre of the voxels' bounds:
     /// Euler angles in radians about x, y and z (intrinsic, in that order).
     ///
-    /// Pictures from the scene's own cameras stay the same, except for the surroundings and for the
-    /// places of walls in a voxel grid.
+    /// Pictures from the scene's own cameras stay the same, except for the surroundings and the
+    /// alignment of walls to voxels.
     pub fn rotate(&mut self, angles_rad: Vec3) {
         let turn = Quat::from_euler(EulerRot::XYZ, angles_rad.x, angles_rad.y, angles_rad.z);
         let center = self.voxel_bounds().center();

@@ -2,8 +2,7 @@
 
 use glam::Affine2;
 
-/// Refers to one of [`Scene::textures`](super::Scene::textures), with the mapping of vertices to
-/// it.
+/// Refers to one of [`Scene::textures`](super::Scene::textures), with its mapping to vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureRef {
     /// Index into [`Scene::textures`](super::Scene::textures).
@@ -43,9 +42,9 @@ pub struct Texture {
 /// The sampling of an image. Default: repeating, linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Sampler {
-    /// The texels left and right of the image.
+    /// The texels to the left and right of the image.
     pub wrap_u: Wrap,
-    /// The texels above and below it.
+    /// The texels above and below the image.
     pub wrap_v: Wrap,
     /// The filter where a texel covers several pixels.
     pub magnify: Filter,
@@ -59,7 +58,7 @@ pub enum Wrap {
     /// The image again.
     #[default]
     Repeat,
-    /// The image again, every second time mirrored.
+    /// The image again, mirrored every second time.
     MirroredRepeat,
     /// The texel at the edge.
     ClampToEdge,
@@ -70,7 +69,7 @@ pub enum Wrap {
 pub enum Filter {
     /// The nearest texel.
     Nearest,
-    /// A blend of the four around.
+    /// A blend of the four nearest texels.
     #[default]
     Linear,
 }

@@ -5,8 +5,8 @@ use glam::{DVec3, Vec3};
 /// The vector at unit length; `None` if it has no direction.
 ///
 /// A vector that has unit length up to rounding is unchanged, to the bit: normalising again would
-/// change its last digits each time that a scene is saved and loaded. 1e-5 is some 80 units in the
-/// last place, more than the error of normalising itself.
+/// change its last digits each time that a scene is saved and loaded. 1e-5 is about 80 units in the
+/// last place, more than the rounding error of normalising.
 pub(crate) fn to_unit(v: Vec3) -> Option<Vec3> {
     // In f64, where no finite f32 vector's length overflows or vanishes.
     let wide = v.as_dvec3();

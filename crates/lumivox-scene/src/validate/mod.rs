@@ -1,4 +1,4 @@
-//! Checks of a scene's promises.
+//! Validation of scenes.
 
 mod outlier;
 
@@ -15,9 +15,10 @@ use crate::{
 
 impl Scene {
     /// Checks a hand-made scene, and removes things without extent: triangles of zero area (counted
-    /// in [`Scene::notes`]), meshes that have none left, and instances whose transform leaves a
-    /// line or a point (with a warning). A transform that flattens gets a thickness of a millionth,
-    /// since normals need its inverse. Normals are normalised. Calling it again changes nothing.
+    /// in [`Scene::notes`]), meshes that have none left, and instances whose transform collapses
+    /// them to a line or a point (with a warning). A transform that flattens gets a thickness of a
+    /// millionth, since normals need its inverse. Normals are normalised. Calling it again changes
+    /// nothing.
     ///
     /// Areas are computed in local space, in f64, and only exact zeros count: thin triangles stay.
     /// After the transform, f32 may still round a tiny triangle to nothing.
@@ -52,7 +53,7 @@ pub(crate) fn validate(scene: &mut Scene, file: &Path) -> Result<(), SceneError>
     Check { file }.extent(scene)
 }
 
-/// The part of [`Scene::validate`] that changes nothing.
+/// The checks of [`Scene::validate`], without its changes.
 pub(crate) fn check(scene: &Scene, file: &Path) -> Result<(), SceneError> {
     let check = Check { file };
     for mesh in &scene.meshes {
@@ -116,14 +117,12 @@ fn retain_instances(scene: &mut Scene, mut keep: impl FnMut(&mut Instance) -> bo
     });
 }
 
-/// The transform itself if normals can be transformed: its inverse exists, in f32, too. One that
-/// flattens, up to rounding, gets a thickness of about a millionth; it mirrors if `mirrors` is
-/// true. `None` if a line or a point is left. A returned transform is returned unchanged the next
-/// time.
+/// Returns a transform whose f32 inverse exists, as normals need it: unchanged if possible. A
+/// transform that flattens, up to rounding, gets a thickness of about a millionth, and mirrors if
+/// `mirrors` is true. `None` if it collapses to a line or a point. Idempotent.
 pub(crate) fn invertible(world_from_local: Mat4, mirrors: bool) -> Option<Mat4> {
     let mut made = world_from_local;
-    // Rounding may take some of the thickness away again, where columns are of very different
-    // lengths.
+    // If the lengths of the columns differ greatly, rounding may remove some of the thickness.
     for _ in 0..8 {
         let Some(thicker) = thickened(made, mirrors) else { break };
         made = thicker;
@@ -132,9 +131,9 @@ pub(crate) fn invertible(world_from_local: Mat4, mirrors: bool) -> Option<Mat4> 
     exists.then_some(made)
 }
 
-/// A transform that flattens, with a thickness; `None` for others.
+/// Gives a transform that flattens a thickness; `None` for other transforms.
 fn thickened(world_from_local: Mat4, mirrors: bool) -> Option<Mat4> {
-    // A product of f32 matrices of which one is flat has a determinant of some 2^-24.
+    // If one factor of a product of f32 matrices is flat, the determinant is about 2^-24.
     const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
     let linear = DMat3::from_mat4(world_from_local.as_dmat4());
     let [a, b, c] = [linear.x_axis, linear.y_axis, linear.z_axis];
@@ -155,9 +154,8 @@ fn thickened(world_from_local: Mat4, mirrors: bool) -> Option<Mat4> {
     Some(Mat4::from_cols(columns[0], columns[1], columns[2], world_from_local.w_axis))
 }
 
-/// Removes triangles of zero area, then meshes without triangles, then instances without a mesh.
-/// Meshes of a scene with a rig keep their numbers: one that has no triangles now may have some at
-/// another time.
+/// Removes triangles of zero area, then meshes without triangles, then instances without a mesh. If
+/// the scene has a rig, empty meshes stay: they may have triangles at another time.
 fn drop_degenerate_triangles(scene: &mut Scene) {
     for mesh in &mut scene.meshes {
         scene.notes.degenerate_triangles += drop_degenerate(mesh);
@@ -195,13 +193,13 @@ fn drop_degenerate(mesh: &mut Mesh) -> usize {
     (before - write) / 3
 }
 
-/// Whether a triangle is more than a line, in f64, where no finite f32 triangle vanishes.
+/// Whether a triangle has an area; in f64, where that of a finite f32 triangle cannot underflow.
 pub(crate) fn has_area(corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     (b - a).cross(c - a).length_squared() > 0.0
 }
 
-/// The length of an optional list, if an empty list counts as complete.
+/// The length of an optional list; an empty list counts as complete.
 fn or_all(length: usize, all: usize) -> usize {
     if length == 0 { all } else { length }
 }
@@ -297,7 +295,7 @@ impl Check<'_> {
             if let Some(uv) = mesh.uvs1.get(i) {
                 self.finite(|| part("second texture coordinate"), &uv.to_array())?;
             }
-            // Most are valid: the message is only made for invalid ones.
+            // Most colours are valid, so the message is only made for invalid ones.
             if let Some(color) = mesh.colors.get(i)
                 && color.to_array().iter().any(|c| !(0.0..=1.0).contains(c))
             {
@@ -398,7 +396,7 @@ impl Check<'_> {
     }
 
     fn light(&self, light: &Light) -> Result<(), SceneError> {
-        // Files have positions of all kinds.
+        // Positions of all kinds of light must be finite.
         let position = || format!("light \"{}\", its position", light.name);
         self.finite(position, &light.position.to_array())?;
         for field in light.kind.fields() {

@@ -24,7 +24,7 @@ pub struct Outlier {
     pub position: Vec3,
     /// The middle of nearly all of the scene, m.
     pub center: Vec3,
-    /// The greatest distance of nearly all of the scene from there along any axis, m.
+    /// The greatest distance of nearly all of the scene from `center` along any axis, m.
     pub reach_m: f64,
 }
 
@@ -41,9 +41,8 @@ impl fmt::Display for Outlier {
 }
 
 impl Scene {
-    /// The farthest vertex of a valid scene, if nearly all else is smaller than a voxel of any grid
-    /// beside it. It is usually a mistake of the export. `None` if the file itself gives the box of
-    /// the grid.
+    /// The farthest vertex of a valid scene, usually a mistake of the export, if it makes nearly
+    /// all of the scene smaller than a voxel. `None` if the file itself gives the box of the grid.
     pub fn outlier(&self) -> Option<Outlier> {
         let count: usize = self.shapes().map(|(mesh, _)| mesh.indices.len()).sum();
         if self.grid_bounds.is_some() || count == 0 {
@@ -63,8 +62,7 @@ impl Scene {
             return None;
         }
 
-        // The number of corners at distances up to each power of two; the first is for all below
-        // f32.
+        // The number of corners at distances up to each power of two, from 2^-200.
         let mut counts = [0_usize; 512];
         let mut farthest = (0.0, None);
         for (mesh, vertex, position) in self.corners(1) {
@@ -74,7 +72,7 @@ impl Scene {
                 farthest = (far, Some((mesh, vertex, position)));
             }
         }
-        // One in a thousand may be strays; in small scenes a few more.
+        // One corner in a thousand may be a stray; in small scenes a few more.
         let strays = (count / 1000).max(8.min(count / 8));
         let mut beyond = count;
         let reach = counts.iter().position(|within| {
@@ -112,7 +110,7 @@ impl Scene {
     }
 }
 
-/// The largest difference along an axis.
+/// The largest distance along an axis.
 fn distance(a: DVec3, b: DVec3) -> f64 {
     (a - b).abs().max_element()
 }

@@ -149,13 +149,13 @@ fn meshes_and_instances_without_extent_are_dropped() {
     assert_eq!(scene.notes.warnings.len(), 1);
 }
 
-/// Whatever flattens is a thin thing, whose normals are those of its plane.
+/// A flattened cube gets a thickness, and the normals of its plane.
 #[test]
 fn flat_transforms_get_a_thickness() {
     let turn = Mat4::from_rotation_x(0.7) * Mat4::from_rotation_z(2.0);
     let sizes = [1e-3, 1.0, 1e6];
     for (size, first) in sizes.into_iter().flat_map(|size| [(size, Mat4::IDENTITY), (size, turn)]) {
-        // Two sides of the cube are left, in the world's plane of the x and z axes.
+        // Flattens a cube into the xz plane.
         let flat = first * Mat4::from_scale(Vec3::new(3.0, 0.0, -2.0) * size) * turn;
         for mirrors in [false, true] {
             let made = invertible(flat, mirrors).unwrap();

@@ -66,8 +66,8 @@ pub(super) fn install(scene: &mut Scene, stops: &[Stop]) -> Result<(), SceneErro
 }
 
 /// The camera at a time. Eye and target follow a spline through the stops (Catmull and Rom 1974, "A
-/// class of local interpolating splines"); the slope at a stop is that between its neighbours in
-/// time.
+/// class of local interpolating splines"); the velocity at a stop is the mean velocity between its
+/// neighbours.
 pub(super) fn at(stops: &[Stop], time_s: f32) -> Camera {
     let last = stops.len() - 1;
     let next = stops.partition_point(|stop| stop.time_s <= time_s).clamp(1, last);
@@ -86,7 +86,7 @@ pub(super) fn at(stops: &[Stop], time_s: f32) -> Camera {
     Camera { name: NAME.to_owned(), ..Camera::look_at(eye, target, 1.05) }
 }
 
-/// Cubic Hermite interpolation between two points, with the slopes there.
+/// Cubic Hermite interpolation between two points with given slopes.
 fn hermite(from: Vec3, leaving: Vec3, to: Vec3, arriving: Vec3, t: f32) -> Vec3 {
     let (t2, t3) = (t * t, t * t * t);
     from * (2.0 * t3 - 3.0 * t2 + 1.0)

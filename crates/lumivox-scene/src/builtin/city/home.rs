@@ -27,7 +27,7 @@ pub(super) const KIND: Kind = Kind {
     empty_room: Some(STOREY),
 };
 
-/// The middle of the room's floor, in the house.
+/// The middle of the room's floor, in the house's coordinates.
 pub(super) fn middle() -> Vec3 {
     let width_m = 0.5 * KIND.width_m - WALL_M;
     Vec3::new(-0.5 * width_m, FOOT_M + STOREY as f32 * STOREY_M, -3.1)
@@ -125,7 +125,7 @@ fn table(paint: &mut Paint, foot: Vec3, size_m: [f32; 3], color: Vec3) {
     }
 }
 
-/// A chair with its back towards +z, or turned about by half a turn.
+/// A chair; without `turns`, its back is towards +z.
 fn chair(paint: &mut Paint, foot: Vec3, turns: f32, color: Vec3) {
     let side = if turns == 0.0 { 1.0 } else { -1.0 };
     table(paint, foot, [0.42, 0.45, 0.42], color);

@@ -12,7 +12,7 @@ use super::super::shapes::{Faces, FrameFaces, append, cuboid, frame, quad};
 use super::paint::{Opening, Paint, Wall, chance, pick};
 use crate::Mesh;
 
-/// The height of a storey and of its rooms, m: above a room is a slab of 30 cm.
+/// The height of a storey and of its rooms, m; the slab between them is 30 cm thick.
 pub(super) const STOREY_M: f32 = 3.0;
 const ROOM_M: f32 = 2.7;
 /// The height of the lowest floor above the ground.
@@ -46,7 +46,7 @@ pub(super) enum Roof {
     Gable,
 }
 
-/// A sort of house.
+/// The parameters of a kind of house.
 #[derive(Clone, Copy)]
 pub(super) struct Kind {
     pub(super) width_m: f32,
@@ -88,7 +88,7 @@ struct Room {
     middle: Vec3,
     width_m: f32,
     depth_m: f32,
-    /// The direction of its window: 1 at the front, -1 at the back.
+    /// The direction of the window along z: 1 at the front, -1 at the back.
     outward: f32,
     seed: [u32; 3],
 }
@@ -196,7 +196,7 @@ impl House<'_> {
         }
     }
 
-    /// Floor and ceiling of a storey, the walls between its rooms, and what is in them.
+    /// Floor and ceiling of a storey, the walls between its rooms, and their furniture.
     fn rooms(&mut self, storey: u32) {
         let Kind { width_m, depth_m, rooms, seed, .. } = *self.kind;
         let y = Self::floor_m(storey);
@@ -255,7 +255,8 @@ impl House<'_> {
         }
     }
 
-    /// Few large things: a bed and a wardrobe, a table with two stools, or a sofa and shelves.
+    /// Adds a few large things: a bed and a wardrobe, a table with two stools, or a sofa and
+    /// shelves.
     fn furnish(&mut self, room: &Room) {
         let Room { middle, width_m, depth_m, outward, .. } = *room;
         let wood = pick(&WOOD, room.chance(3));

@@ -1,4 +1,5 @@
-//! A city of a kilometre, and a room in it, by day and by night: near and far light in one scene.
+//! A city, a kilometre wide, and a room in it, by day and by night: near and far light in one
+//! scene.
 //!
 //! Ten by ten blocks of 100 m, each surrounded by streets, with houses along its four sides and a
 //! court inside. There are about thirty kinds of houses ([`house`]) with rooms behind open windows.
@@ -30,8 +31,9 @@ use super::build::{diffuse, glowing};
 use crate::sky::{SkySettings, sky};
 use crate::{Camera, Environment, Instance, Mesh, Scene, SceneError};
 
-/// Blocks along an edge of the city, and the edge of one with half of the streets around it, m.
+/// Blocks along an edge of the city.
 const BLOCKS: u32 = 10;
+/// The edge of a block, with half of the streets around it.
 const BLOCK_M: f32 = 100.0;
 /// The height of pavements above streets.
 const PAVEMENT_M: f32 = 0.15;
@@ -96,8 +98,9 @@ struct City {
     home_lamp: usize,
     grounds: Vec<usize>,
     square: usize,
-    /// Houses of 16 and of 14 m, from low to high, and towers.
+    /// Houses 16 m wide, from low to high.
     wide: Vec<Lit>,
+    /// Houses 14 m wide, from low to high.
     narrow: Vec<Lit>,
     towers: Vec<Lit>,
     lamp: Lit,
@@ -252,7 +255,7 @@ impl City {
         for tree in 0..trees {
             let place = |axis: u32| 2.0 * chance(x * 64 + tree, z, 40 + axis) - 1.0;
             let at = Vec3::new(place(0), 0.0, place(1)) * reach;
-            // Not in a tower, and not on the paths across the court.
+            // No tree stands in a tower or too close to it.
             if at.abs().min_element() > 50.0 || (has_tower && at.abs().max_element() < 15.0) {
                 continue;
             }
@@ -260,7 +263,7 @@ impl City {
         }
     }
 
-    /// A tower in the court, near the middle of the city.
+    /// Adds a tower in the court to some blocks near the city's centre; returns `true` if it did.
     fn tower(&mut self, block: [u32; 2]) -> bool {
         let [x, z] = block;
         let is_tower = downtown(block) > 0.55 && block != HOME && chance(x, z, 7) < 0.7;
@@ -283,7 +286,7 @@ impl City {
     /// The houses along a side of a block, and the lamps, trees and cars before them.
     fn side(&mut self, block: [u32; 2], side: u32) {
         let [x, z] = block;
-        // Half of the houses have their fronts along x.
+        // The sides along x have more lots than the sides along z.
         let is_long = side.is_multiple_of(2);
         let turn = Mat4::from_translation(center(block) + Vec3::Y * PAVEMENT_M)
             * Mat4::from_rotation_y(side as f32 * FRAC_PI_2);
@@ -297,7 +300,7 @@ impl City {
                 continue;
             }
             let kinds = if is_long { &self.wide } else { &self.narrow };
-            // Low houses all over, and high ones towards the middle.
+            // Low houses are everywhere, high ones towards the centre.
             let high = 0.45 * luck(21) + 0.55 * downtown(block) * (0.6 + 0.4 * luck(22));
             let kind = pick(kinds, high);
             let paint = (luck(23) * self.paints.len() as f32) as usize;
@@ -405,8 +408,8 @@ fn cameras(scene: &mut Scene, is_inside: bool) {
     scene.cameras.push(Camera { near_m: 0.05, ..flight::at(&FLIGHT, 0.0) });
 }
 
-/// The path: along the street of the home, up over the roofs, around the towers, and down into the
-/// stadium.
+/// The path of the flight: along the street of the home, up over the roofs, around the towers, and
+/// down into the stadium.
 const FLIGHT: [Stop; 9] = [
     Stop { time_s: 0.0, eye: [-60.0, 2.5, 100.0], target: [-20.0, 4.0, 100.0] },
     Stop { time_s: 6.0, eye: [10.0, 3.0, 100.0], target: [60.0, 6.0, 99.0] },

@@ -22,9 +22,9 @@ pub(super) struct Opening {
 /// An upright wall with two faces; the front faces `along` cross +y.
 #[derive(Clone, Copy)]
 pub(super) struct Wall {
-    /// Its foot at one end, in the middle of its thickness.
+    /// The wall's foot at one end, in the middle of its thickness.
     pub(super) foot: Vec3,
-    /// A unit vector.
+    /// Unit vector along the wall.
     pub(super) along: Vec3,
     pub(super) length_m: f32,
     pub(super) height_m: f32,
@@ -64,7 +64,7 @@ impl Paint {
         self.add(quad(center, Vec3::X * half_x_m, z * half_z_m), color);
     }
 
-    /// Adds a wall with holes, which must be sorted along it and must not touch.
+    /// Adds a wall with openings, which must be sorted along it and must not touch.
     pub(super) fn wall(&mut self, wall: &Wall, openings: &[Opening]) {
         let mut from = 0.0;
         for opening in openings {
@@ -77,7 +77,7 @@ impl Paint {
         self.panel(wall, [from, wall.length_m], [0.0, wall.height_m]);
     }
 
-    /// Both faces of a part of a wall.
+    /// Adds both faces of a part of a wall.
     fn panel(&mut self, wall: &Wall, along: [f32; 2], height: [f32; 2]) {
         let half_along = wall.along * (0.5 * (along[1] - along[0]));
         let half_up = Vec3::Y * (0.5 * (height[1] - height[0]));
@@ -90,7 +90,7 @@ impl Paint {
         self.add(quad(center - side, -half_along, half_up), wall.back);
     }
 
-    /// The four sides of a hole.
+    /// Adds the four sides of a hole.
     fn reveal(&mut self, wall: &Wall, opening: &Opening) {
         let [from, to] = opening.along;
         let [low, high] = opening.height;

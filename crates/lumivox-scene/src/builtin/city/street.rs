@@ -8,8 +8,8 @@ use super::paint::{Paint, chance, pick};
 use super::{BLOCK_M, PAVEMENT_M};
 use crate::Mesh;
 
-/// Half the edge of a block's houses, of its pavement, and of the block including half of the
-/// streets around it, m.
+/// Half the edge of the square of a block's houses, of its pavement, and of the block including
+/// half of the streets around it, m.
 const HOUSES_M: f32 = 40.0;
 const KERB_M: f32 = 44.0;
 
@@ -136,7 +136,7 @@ pub(super) fn stands() -> Paint {
         paint.add(part, color);
     };
     let row = |row: u32| [56.0 + 1.3 * row as f32, 1.2 + 0.62 * row as f32];
-    // From the middle outwards a strip faces up, and from low to high it faces the middle.
+    // A strip from the middle outwards faces up; a strip from low to high faces the middle.
     strip([56.0, 0.0], [56.0, 1.2], concrete);
     for number in 0..ROWS {
         let ([r, y], [next, above]) = (row(number), row(number + 1));

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{AnimationChoice, Picker};
 
-/// Millions of triangles come from meshes that take a few megabytes, over a kilometre.
+/// Instances of small meshes make millions of triangles over a kilometre.
 #[test]
 fn the_city_is_large_and_its_meshes_are_shared() {
     let scene = scene(false, false).unwrap();
@@ -34,20 +34,20 @@ fn the_city_is_generated_deterministically() {
     assert!(scene(true, false).unwrap() == scene(true, false).unwrap());
 }
 
-/// The interior is the city with another first camera.
+/// The scene of the room is the city with another first camera.
 #[test]
 fn the_room_is_in_the_city() {
     let (city, inside) = (scene(false, false).unwrap(), scene(false, true).unwrap());
     assert!(city.instances == inside.instances);
     assert_eq!(inside.cameras[0].name, "to the window");
     let picker = Picker::new(&inside);
-    // In the room all around: floor, ceiling, and walls at arm's length or a room's.
+    // Floor, ceiling, and walls of the room are close.
     let camera = &inside.cameras[0];
     for (direction, farthest) in [(Vec3::NEG_Y, 1.7), (Vec3::Y, 1.3), (Vec3::X, 2.4)] {
         let met = picker.pick(camera.position, direction).unwrap();
         assert!(met.distance_m < farthest, "{direction}: {}", met.distance_m);
     }
-    // Through the window a ray goes far.
+    // A ray through the window goes far.
     let out = Vec3::new(-0.35, 0.02, 1.0);
     let met = picker.pick(camera.position, out).map_or(f32::MAX, |met| met.distance_m);
     assert!(met > 15.0, "{met}");
@@ -63,12 +63,12 @@ fn cameras_are_clear_of_obstacles() {
             let distance = met.map_or(f32::MAX, |met| met.distance_m);
             assert!(distance > 0.4, "{}: {distance} m towards {direction}", camera.name);
         }
-        // Above the ground, and not below a house.
+        // The camera is above the ground.
         assert!(picker.pick(camera.position, Vec3::NEG_Y).is_some(), "{}", camera.name);
     }
 }
 
-/// The flight meets no obstacle, and it begins and ends where it says.
+/// The flight meets no obstacle, and begins and ends at its first and last stop.
 #[test]
 fn the_flight_path_hits_no_obstacle() {
     let mut scene = scene(false, false).unwrap();

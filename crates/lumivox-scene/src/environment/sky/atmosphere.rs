@@ -1,10 +1,10 @@
 //! The atmosphere: its transmittance, and the light that it scatters once and many times.
 //!
-//! A ball of 6360 km carries 100 km of air with three constituents: molecules (Rayleigh
-//! scattering), aerosol (Mie scattering and absorption), and ozone (absorption). Single scattering
-//! is integrated along each ray; all higher orders come from a table, as if they were the same in
-//! every direction: Hillaire 2020, "A scalable and production ready sky and atmosphere rendering
-//! technique", section 5.5. Lengths are in km.
+//! A sphere with a radius of 6360 km is surrounded by 100 km of air with three constituents:
+//! molecules (Rayleigh scattering), aerosol (Mie scattering and absorption), and ozone
+//! (absorption). Single scattering is integrated along each ray; all higher orders come from a
+//! table, and are assumed to be the same in every direction: Hillaire 2020, "A scalable and
+//! production ready sky and atmosphere rendering technique", section 5.5. Lengths are in km.
 
 use std::f64::consts::PI;
 
@@ -14,14 +14,14 @@ const GROUND_KM: f64 = 6360.0;
 const TOP_KM: f64 = 6460.0;
 /// Scale height of air at 288 K: R T / (M g).
 const MOLECULES_KM: f64 = 8.4;
-/// Hillaire 2020, section 4, table 1.
+/// Scale height of aerosol: Hillaire 2020, section 4, table 1.
 const AEROSOL_KM: f64 = 1.2;
 /// Single-scattering albedo of aerosol: Hillaire 2020, table 1.
 const AEROSOL_ALBEDO: f64 = 0.9;
 /// Mean cosine of the scattering angle of aerosol: the same table.
 const AEROSOL_ASYMMETRY: f64 = 0.8;
-/// Ozone forms a tent around 25 km (the same table) with a column of 300 Dobson units, 2.687e20
-/// molecules per m² each.
+/// The density of ozone falls linearly on both sides of 25 km (the same table); its column is 300
+/// Dobson units, 2.687e20 molecules per m² each.
 const OZONE_MIDDLE_KM: f64 = 25.0;
 const OZONE_HALF_KM: f64 = 15.0;
 const OZONE_COLUMN: f64 = 300.0 * 2.687e20;
@@ -35,11 +35,11 @@ type Amounts = [f64; 3];
 
 /// The atmosphere of one day.
 pub(super) struct Atmosphere {
-    /// Scattering by molecules where they are densest, 1/km.
+    /// Scattering by molecules at their maximum density, 1/km.
     molecules: Spectrum,
-    /// Extinction by aerosol, 1/km.
+    /// Extinction by aerosol at its maximum density, 1/km.
     aerosol: Spectrum,
-    /// Absorption by ozone, 1/km.
+    /// Absorption by ozone at its maximum density, 1/km.
     ozone: Spectrum,
     ground_albedo: f64,
     columns: Vec<Amounts>,
@@ -53,8 +53,8 @@ const COLUMN_HEIGHTS: usize = 48;
 const COLUMN_COSINES: usize = 128;
 const MANY_HEIGHTS: usize = 24;
 const MANY_COSINES: usize = 48;
-/// The cosines of the sun's zenith angle in the table reach from this (35 degrees below the
-/// horizon, where even the highest air is in the earth's shadow) to 1.
+/// The least cosine of the sun's zenith angle in the table: 35 degrees below the horizon, even the
+/// highest air is in the earth's shadow.
 const LEAST_COSINE: f64 = -0.574;
 
 const COLUMN_STEPS: usize = 64;
@@ -104,8 +104,8 @@ fn densities(r: f64) -> Amounts {
     ]
 }
 
-/// Divides a path into steps that are short at its beginning, where the air is densest and detail
-/// is nearest: their middles and lengths.
+/// Divides a path into steps, shorter at its beginning, where the air is densest and detail is
+/// nearest. Returns their middles and lengths.
 fn steps(length: f64, count: usize) -> impl Iterator<Item = (f64, f64)> {
     let edge = move |i: usize| length * (i as f64 / count as f64).powi(2);
     (0..count).map(move |i| (0.5 * (edge(i) + edge(i + 1)), edge(i + 1) - edge(i)))
@@ -150,8 +150,8 @@ impl Atmosphere {
             + self.ozone[band] * column[2]
     }
 
-    // The table of columns: heights and directions as in Bruneton and Neyret 2008, "Precomputed
-    // atmospheric scattering", section 4: by the distance to the horizon, and to the air's end.
+    // The table of columns is parametrized by the distances to the horizon and to the end of the
+    // air: Bruneton and Neyret 2008, "Precomputed atmospheric scattering", section 4.
     fn fill_columns(&mut self) {
         let horizon = (TOP_KM * TOP_KM - GROUND_KM * GROUND_KM).sqrt();
         for i in 0..COLUMN_HEIGHTS {
@@ -192,9 +192,8 @@ impl Atmosphere {
         })
     }
 
-    /// The share of sunlight that reaches a height, where the sun's middle has a zenith angle of
-    /// cosine `mu`: the share that the air lets through, times the share of the disc above the
-    /// horizon.
+    /// The share of sunlight that reaches a height: the transmittance of the air, times the share
+    /// of the sun's disc above the horizon. `mu` is the cosine of the sun's zenith angle.
     pub(super) fn sunlight(&self, height_km: f64, mu: f64) -> Spectrum {
         self.sunlight_at(GROUND_KM + height_km.max(0.0), mu)
     }
@@ -233,8 +232,8 @@ impl Atmosphere {
         self.many = many;
     }
 
-    /// Hillaire 2020, equations 5 to 10: the light of second order and the share that each order
-    /// passes on, both as means over all directions.
+    /// Hillaire 2020, equations 5 to 10: the light of second order, and the ratio of each order to
+    /// the previous one, both as means over all directions.
     fn many_from(&self, r: f64, sun: f64) -> Spectrum {
         const POLAR: usize = 12;
         const AZIMUTHS: usize = 4;
@@ -260,13 +259,13 @@ impl Atmosphere {
     }
 
     /// Radiance that reaches the ground from a direction at a zenith angle of cosine `mu`, for a
-    /// sun of irradiance 1 outside of the air; `sun` is the cosine of its zenith angle, `to_sun`
-    /// that of the angle between both.
+    /// sun of irradiance 1 outside of the air; `sun` is the cosine of the sun's zenith angle,
+    /// `to_sun` of the angle between sun and direction.
     pub(super) fn radiance(&self, mu: f64, sun: f64, to_sun: f64) -> Spectrum {
         // A metre above the ground: the horizon is then below the lowest row of any map.
         let ray = Ray { r: GROUND_KM + 0.001, mu };
         let phases = [
-            // Rayleigh; Cornette and Shanks 1992.
+            // The phase functions of Rayleigh, and of Cornette and Shanks (1992).
             3.0 / (16.0 * PI) * (1.0 + to_sun * to_sun),
             cornette_shanks(to_sun),
         ];
@@ -274,8 +273,8 @@ impl Atmosphere {
     }
 
     /// Integrates along a ray. With `phases`, the shares of the sun's light that molecules and
-    /// aerosol scatter towards the eye, higher orders are added. Without them, scattering is the
-    /// same in all directions, and the ground is visible.
+    /// aerosol scatter towards the eye, higher orders are added. Without `phases`, scattering is
+    /// isotropic, and the ray sees the ground.
     fn march(
         &self,
         ray: Ray,
@@ -325,10 +324,10 @@ impl Atmosphere {
     }
 }
 
-/// The light that a ray gathers.
+/// The integrals along a ray.
 struct Marched {
     radiance: Spectrum,
-    /// The share of a uniform radiance of 1 that is scattered into the ray.
+    /// The radiance that a uniform radiance of 1 scatters into the ray.
     scattered: Spectrum,
 }
 

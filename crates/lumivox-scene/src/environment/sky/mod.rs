@@ -4,9 +4,9 @@
 //! `atmosphere`). The output is luminance in cd/m² and illuminance in lux. The colours result from
 //! that: the blue zenith, the white horizon, the red sunset, dusk.
 //!
-//! The published fits (Preetham et al. 1999; Hosek and Wilkie 2012) end when the sun reaches the
-//! horizon. A computed sky continues through dusk, and the colour of its sun is consistent with the
-//! light scattered into the sky. It takes about half a second on one core.
+//! Published fits (Preetham et al. 1999; Hosek and Wilkie 2012) end at sunset. A computed sky
+//! continues through dusk, and the colour of its sun is consistent with the light scattered into
+//! the sky. It takes about half a second on one core.
 
 mod atmosphere;
 mod spectrum;
@@ -57,8 +57,8 @@ pub struct Sky {
     /// The sky without the sun's disc, and the lit ground below the horizon, cd/m²; use it with a
     /// radiance of 1 and no rotation.
     pub map: EnvironmentMap,
-    /// The sun: lux, an angular radius of 0.00465 rad. Its colour is that of the light that passes
-    /// the air, at luminance 1. `None` if no part of its disc is above the horizon.
+    /// The sun: lux, an angular radius of 0.00465 rad. Its colour is that of the transmitted light,
+    /// at luminance 1. `None` if no part of its disc is above the horizon.
     pub sun: Option<Light>,
 }
 
@@ -81,8 +81,8 @@ impl Sky {
 /// The weights of linear sRGB in luminance: ITU-R BT.709-6, section 3.2.
 const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
-/// The atmosphere of the default settings, which most skies use: computing it takes as long as a
-/// sky.
+/// The atmosphere of the default settings, which most skies use: computing it takes as long as
+/// computing a sky.
 static CLEAR: LazyLock<Atmosphere> = LazyLock::new(|| air(&SkySettings::default()));
 
 /// Computes a sky.
@@ -115,8 +115,8 @@ fn sky_through(air: &Atmosphere, settings: &SkySettings) -> Sky {
     let name = "sky".to_owned();
     let mut map = EnvironmentMap { name, width, height, rgb, warnings: Vec::new() };
 
-    // The sky is symmetric about the sun: each row is computed over half a turn from it, in steps
-    // that are finest near the sun, and texels are looked up there.
+    // The sky is symmetric about the sun: each row is computed for azimuths of half a turn from the
+    // sun, finest near it, and texels interpolate between them.
     let azimuths = (width / 4).max(16) as usize;
     let sun_azimuth = to_sun.x.atan2(-to_sun.z);
     let sun_sine = (1.0 - to_sun.y * to_sun.y).max(0.0).sqrt();
@@ -151,7 +151,7 @@ fn sky_through(air: &Atmosphere, settings: &SkySettings) -> Sky {
 
 fn sun(to_sun: DVec3, rgb: DVec3) -> Option<Light> {
     let illuminance = rgb.dot(LUMINANCE);
-    // A sun dimmer than this is invisible by day and night.
+    // A dimmer sun is invisible by day and night.
     if illuminance < 1e-6 {
         return None;
     }

@@ -2,8 +2,8 @@
 //!
 //! The air treats each wavelength differently, by far more than three channels could represent (the
 //! Rayleigh scattering of 400 nm is nine times that of 700 nm), so the sky is computed in bands of
-//! 20 nm from 390 to 710 nm and becomes RGB at the very end: 683 lm/W times the CIE 1931 colour
-//! matching functions.
+//! 20 nm from 390 to 710 nm and only the result is converted to RGB: 683 lm/W times the CIE 1931
+//! colour matching functions.
 
 use glam::{DMat3, DVec3};
 
@@ -34,7 +34,7 @@ const OZONE: [f64; 2 * BANDS + 1] = [
     2.662, 2.238, 1.852, 1.473, 1.209, 0.942, 0.7455, 0.6566,
 ];
 
-/// The mean of a table of steps of 10 nm over each band, by the trapezoidal rule.
+/// The mean over each band of a table in steps of 10 nm, by the trapezoidal rule.
 fn banded(table: &[f64; 2 * BANDS + 1]) -> Spectrum {
     std::array::from_fn(|band| {
         0.25 * table[2 * band] + 0.5 * table[2 * band + 1] + 0.25 * table[2 * band + 2]
@@ -51,12 +51,12 @@ pub(super) fn ozone_cross_section() -> Spectrum {
     banded(&OZONE).map(|section| section * 1e-25)
 }
 
-/// A function of the wavelength in µm, evaluated at the middle of each band.
+/// Evaluates a function of the wavelength in µm at the middle of each band.
 pub(super) fn by_wavelength(value: impl Fn(f64) -> f64) -> Spectrum {
     std::array::from_fn(|band| value(1e-3 * (FIRST_NM + WIDTH_NM * band as f64)))
 }
 
-/// From spectra to linear sRGB.
+/// Converts spectra to linear sRGB.
 pub(super) struct Observer {
     /// lm nm/W of X, Y and Z for each band.
     matching: [DVec3; BANDS],

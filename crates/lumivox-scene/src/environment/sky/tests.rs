@@ -1,4 +1,4 @@
-//! Compares the sky with measurements of real ones.
+//! Compares computed skies with measurements.
 
 use super::*;
 
@@ -22,7 +22,7 @@ fn sky_lux(sky: &Sky) -> f32 {
 }
 
 /// IES and CIE tables of daylight: a clear noon has 90 to 115 klx across the sun's beam and 10 to
-/// 20 klx from the sky on the level; haze moves light from the one to the other.
+/// 20 klx from the sky on the level; haze moves light from the beam to the sky.
 #[test]
 fn a_clear_noon_is_as_bright_as_measured() {
     let noon = sky_at(60.0, 2.0);
@@ -106,14 +106,14 @@ fn the_sky_is_brightest_beside_the_sun() {
             .expect("texels");
         let (column, row) = (brightest as u32 % map.width, brightest as u32 / map.width);
         let at = map.direction(column as f32 + 0.5, row as f32 + 0.5);
-        // Within the texel, 2.8 degrees.
+        // Within a texel, 2.8 degrees.
         assert!(at.dot(to_sun) > 0.998, "{at} {to_sun}");
         let sun = sky.sun.expect("it is up");
         assert!((sun.direction + to_sun).length() < 1e-6);
     }
 }
 
-/// The ground sends back its albedo's share of all that falls on it.
+/// The ground reflects the share `ground_albedo` of its irradiance.
 #[test]
 fn the_ground_reflects_its_albedo_of_incoming_light() {
     let settings = SkySettings { ground_albedo: 0.5, width: 64, ..SkySettings::default() };
@@ -121,7 +121,7 @@ fn the_ground_reflects_its_albedo_of_incoming_light() {
     let sun = sun.expect("it is up");
     let on_ground = map.irradiance(Vec3::Y) + sun.color * lux(Some(&sun)) * -sun.direction.y;
     let below = map.irradiance(Vec3::NEG_Y);
-    // The rows' middles represent them: a thousandth.
+    // Rows are evaluated at their middles: an error of a thousandth.
     assert!((below / on_ground - 0.5).abs().max_element() < 2e-3, "{below} {on_ground}");
 }
 
@@ -152,7 +152,7 @@ fn the_skys_sun_replaces_the_scenes_own() {
     assert_eq!(lights.len(), 2);
     assert_eq!((&lights[0], lights[1].name.as_str()), (&lamp, Sky::SUN));
 
-    // Another takes its place; by night there is none.
+    // A new sky replaces the sun; at night there is none.
     assert!(sky_at(60.0, 2.0).surround(&mut environment, &mut lights).is_empty());
     assert_eq!(lights[1].kind, sky_at(60.0, 2.0).sun.unwrap().kind);
     assert!(sky_at(-30.0, 2.0).surround(&mut environment, &mut lights).is_empty());

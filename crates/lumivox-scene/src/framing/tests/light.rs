@@ -1,4 +1,4 @@
-//! The light that scenes have, and the light that is added.
+//! The scene's own light, and added light.
 
 use super::super::light::Emission;
 use super::*;
@@ -37,8 +37,7 @@ fn scenes_with_faint_emitters_get_default_light() {
     }
 }
 
-/// A studio is not brighter than an emissive thing in it, which is therefore seen to glow; its
-/// units are stated nevertheless.
+/// White in a studio is not brighter than an emissive thing, so that the thing glows.
 #[test]
 fn studio_light_is_dimmed_below_emitters() {
     let dimmed = |radiance: f32| {
@@ -59,7 +58,7 @@ fn rooms_with_enough_lamp_light_get_no_default() {
     let lamp = quad(Vec3::new(0.0, 2.99, 0.0), Vec3::X * 0.5, Vec3::Z * 0.5);
     let mut room = glowing(scene([room(), lamp], false), 1, 1.0);
     assert_eq!(light_of(&room), None, "pi lm on 108 m²");
-    // The texture leaves nothing of it but the noise of its compression.
+    // The texture makes the emission black, except for the noise of compression.
     room.textures.push(Texture {
         name: String::new(),
         width: 1,
@@ -87,7 +86,7 @@ fn an_object_under_one_dim_lamp_gets_default_light() {
     assert!(matches!(light, Some(DefaultLight::Studio { .. })), "{light:?}");
     assert_eq!(dim.lights.len(), 1, "the lamp stays");
     assert_eq!(light_of(&lamp(100.0)), None);
-    // A strong one within reaches nothing that is seen.
+    // The light of a strong lamp inside the thing reaches no visible surface.
     let mut hidden = lamp(1e5);
     hidden.lights[0].position = Vec3::new(0.0, 3.0, 0.0);
     assert!(light_of(&hidden).is_some());
@@ -168,7 +167,7 @@ fn notes_name_the_options_that_override_choices() {
         told[0].starts_with("its own, ") && told[0].contains(" lux on what is seen"),
         "{told:?}"
     );
-    // A scene that glows and has no other light looks dark for a reason.
+    // The notes explain why a scene lit only by its emission looks dark.
     let furnace = builtin::scene("furnace").unwrap().stage(&SightOptions::default());
     assert!(furnace.notes[0].text.starts_with("its own emission alone, "), "{:?}", furnace.notes);
 }
@@ -210,8 +209,8 @@ fn lamps_give_300_lux_in_the_mean() {
     }
 }
 
-/// A lamp in the middle of a cube that lacks one wall loses a sixth of its flux, and is brighter by
-/// that.
+/// A lamp in the middle of a cube without one wall loses a sixth of its flux, and makes up for it
+/// by its intensity.
 #[test]
 fn lamps_compensate_for_light_lost_through_openings() {
     let walls = without(interior(Vec3::NEG_ONE, Vec3::ONE), |p| p.x > 0.9);

@@ -1,4 +1,4 @@
-//! Rooms, things and what lies between, made by hand.
+//! First views of hand-made rooms, things and scenes in between.
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
@@ -38,8 +38,8 @@ fn assert_fits(scene: &Scene, camera: &Camera, aspect: f32) {
     assert!((0.85..=1.0).contains(&most), "fills {most} of the picture");
 }
 
-/// Fails unless the camera has free space around it in a place, and a near plane before all that it
-/// sees.
+/// Fails unless the camera has free space around it, and its near plane is before all visible
+/// surfaces.
 fn assert_stands_free(framing: &Framing, camera: &Camera, clearance_m: f32) {
     let unit = framing.rays.unit;
     for way in directions::sphere(1000) {
@@ -91,8 +91,7 @@ fn hollow_objects_are_viewed_from_outside() {
         ("ship", ship()),
     ];
     for (name, original) in all {
-        // As CAD and sketching programs write it, too: from both sides, and the round ones inside
-        // out.
+        // Also as CAD and sketching programs write it: double-sided, and round things inside out.
         let mut both = original.clone();
         both.materials[0].double_sided = true;
         let mut wrong = original.clone();
@@ -117,7 +116,7 @@ fn hollow_objects_are_viewed_from_outside() {
 
 #[test]
 fn double_sided_shells_are_rooms_only_if_furnished() {
-    // Sketching programs make rooms of which the front is outside.
+    // Sketching programs write rooms whose front faces outwards.
     let shell = cuboid(Vec3::new(-3.0, 0.0, -2.0), Vec3::new(3.0, 3.0, 2.0), Faces::ALL);
     assert!(!Framing::of(&scene([shell.clone()], true)).is_place());
     let furniture = [-2.0, 0.0, 2.0].map(|x| {
@@ -146,7 +145,7 @@ fn an_open_hall_is_seen_from_its_floor_and_lit_through_its_roof() {
         panic!("an open hall has a sky")
     };
     assert_eq!((scene.environment.map, scene.environment.radiance), (Some(sky), Vec3::ONE));
-    // Some of the floor is in the sun.
+    // The sun lights a part of the floor.
     let is_lit = |i: &i32| {
         let point = Vec3::new((i % 24) as f32 - 11.6, 0.01, (i / 24) as f32 * 0.7 - 3.4);
         let point = framing.rays.unit.unit_from_world(point);
@@ -177,7 +176,7 @@ fn cameras_look_into_open_boxes_at_any_scale() {
             cuboid(foot - half, foot + half + Vec3::Y * height, Faces::NO_BOTTOM)
         })
     };
-    // Walls that are seen from within, from both sides, and thick ones; each open towards +z.
+    // Walls visible from inside, double-sided walls, and thick walls; all open towards +z.
     let inner = || without(interior(low, high), |p| p.z > 0.9999);
     let wall = Vec3::splat(0.1);
     let outer = cuboid(low - wall, high + wall.with_z(0.0), Faces::ALL);
@@ -253,7 +252,7 @@ fn small_things_on_a_large_ground_fill_the_picture() {
         assert_fits(&alone, &camera, ASPECT);
         assert!(camera.position.y > 0.0);
     }
-    // A town on its plain is large enough to be seen with it.
+    // A town is large enough to be shown with its plain.
     let town = cuboid(Vec3::new(-30.0, 0.0, -30.0), Vec3::new(30.0, 8.0, 30.0), Faces::NO_BOTTOM);
     let town = scene([town, ground()], false);
     assert_fits(&town, &town.default_camera(ASPECT), ASPECT);
@@ -325,7 +324,7 @@ fn tiny_and_empty_scenes_have_valid_cameras_and_light() {
 
 #[test]
 fn slivers_and_millions_of_triangles_are_simplified() {
-    // A disc of slivers around its middle, as CAD writes them.
+    // A disc of slivers around its middle, as CAD writes.
     let corners = 50_000;
     let at = |i: u32| Vec2::from_angle(i as f32 / corners as f32 * TAU).extend(0.0);
     let positions = [Vec3::ZERO].into_iter().chain((0..corners).map(at)).collect();

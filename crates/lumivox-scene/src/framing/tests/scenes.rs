@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A mesh of which only positions and triangles matter.
+/// A mesh from positions and triangles; its other arrays are placeholders.
 pub(super) fn mesh(positions: Vec<Vec3>, indices: Vec<u32>) -> Mesh {
     let count = positions.len();
     Mesh {
@@ -15,7 +15,7 @@ pub(super) fn mesh(positions: Vec<Vec3>, indices: Vec<u32>) -> Mesh {
     }
 }
 
-/// A mesh without the triangles of which all corners are in some part of space.
+/// The mesh without the triangles whose corners are all in some part of space.
 pub(super) fn without(mut mesh: Mesh, is_there: impl Fn(Vec3) -> bool) -> Mesh {
     let is_kept = |t: &&[u32]| !t.iter().all(|&i| is_there(mesh.positions[i as usize]));
     mesh.indices = mesh.indices.chunks(3).filter(is_kept).flatten().copied().collect();
@@ -51,7 +51,7 @@ pub(super) fn room() -> Mesh {
 
 /// The room with a window of 1 x 1 m at one end, walls without thickness.
 pub(super) fn room_with_window() -> Mesh {
-    // The wall at +x gives way to four strips around the window.
+    // Replaces the wall at +x by four strips around the window.
     let walls = without(room(), |p| p.x > 2.9);
     let strip = |y: [f32; 2], z: [f32; 2]| {
         let center = Vec3::new(3.0, (y[0] + y[1]) * 0.5, (z[0] + z[1]) * 0.5);
@@ -72,7 +72,7 @@ pub(super) fn hall() -> Scene {
     let all = FrameFaces { top: true, bottom: false, outer: true };
     let (outer, inner) = (Vec2::new(12.5, 4.5), Vec2::new(12.0, 4.0));
     let walls = frame(outer, inner, [0.0, 10.0], all);
-    // A roof covers all but the middle.
+    // A roof with an opening in the middle.
     let opening = frame(outer, Vec2::new(8.0, 1.5), [10.0, 10.5], all);
     let under = FrameFaces { top: false, bottom: true, outer: false };
     let below = frame(outer, Vec2::new(8.0, 1.5), [10.0, 10.5], under);
@@ -84,7 +84,7 @@ pub(super) fn hall() -> Scene {
     scene([walls, opening, below, floor].into_iter().chain(columns), false)
 }
 
-/// A ball, hollow inside, with an inner side of its own and a stand: a helmet to rays.
+/// A hollow ball with a modelled inside, on a stand.
 pub(super) fn helmet() -> Scene {
     let ball = |radius_m: f32| {
         let mut ball = sphere(radius_m, 24);
