@@ -1,4 +1,4 @@
-//! Meshes from arrays of a program instead of a file.
+//! Meshes from a program's arrays.
 
 use glam::{Vec2, Vec3};
 
@@ -10,9 +10,9 @@ impl Mesh {
     /// seen from its front. [`Scene::validate`](crate::Scene::validate) checks the mesh as part of
     /// a scene.
     ///
-    /// Without `normals`, edges below `crease_rad` (0 to pi) become smooth and sharper edges stay
-    /// sharp; vertices are duplicated at those. If `normals` are given, those without a direction
-    /// are replaced by their triangles' normals. Without `uvs` all texture coordinates are zero.
+    /// Without `normals`, edges with an angle below `crease_rad` (0 to pi) become smooth; vertices
+    /// at other edges are duplicated. Given normals of length zero are replaced by their triangles'
+    /// normals. Without `uvs` all texture coordinates are zero.
     ///
     /// If a vertex index is beyond the last position, or the last triangle is incomplete, no
     /// normals are computed; `validate` then refuses the mesh.
@@ -62,7 +62,7 @@ mod tests {
         }
     }
 
-    /// Two triangles of a right angle along an edge.
+    /// Two triangles that share an edge at a right angle.
     fn roof() -> (Vec<Vec3>, Vec<u32>) {
         (vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z], vec![0, 1, 2, 1, 0, 3])
     }

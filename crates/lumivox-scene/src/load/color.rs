@@ -1,6 +1,6 @@
 //! Conversion of colours in files to linear light: sRGB (IEC 61966-2-1:1999).
 
-/// The linear value of an sRGB-encoded one, both from 0 to 1.
+/// Converts an sRGB-encoded value to a linear one, both from 0 to 1.
 pub(crate) fn linear_from_srgb(encoded: f32) -> f32 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
@@ -24,9 +24,9 @@ pub(crate) fn rgb_from_xyz(xyz: glam::Vec3) -> glam::Vec3 {
 pub(super) enum Decoder {
     /// Floats are linear.
     Float,
-    /// Bytes are sRGB-encoded if they are colours; the table has the value of each.
+    /// Bytes are sRGB-encoded if they are colours; the table has the linear value of each.
     Bytes(Box<[f32; 256]>),
-    /// Larger integers, as shares of their largest value; also sRGB-encoded if they are colours.
+    /// Larger integers are shares of this largest value; colours are sRGB-encoded.
     Integers(u32),
 }
 
@@ -43,7 +43,7 @@ impl Decoder {
         Self::Bytes(table)
     }
 
-    /// A channel that is not a colour, such as alpha.
+    /// Converts a channel that is not a colour, such as alpha.
     pub(super) fn linear(&self, value: f64) -> f32 {
         let full = match self {
             Self::Float => 1.0,
@@ -53,7 +53,7 @@ impl Decoder {
         (value / full) as f32
     }
 
-    /// A channel of a colour.
+    /// Converts a channel of a colour.
     pub(super) fn color(&self, value: f64) -> f32 {
         match self {
             Self::Float => self.linear(value),
@@ -70,11 +70,11 @@ mod tests {
 
     #[test]
     fn srgb_decoding_follows_iec_61966() {
-        // IEC 61966-2-1: the middle of the bytes is about a fifth of the light.
+        // IEC 61966-2-1: the code 0.5 is about a fifth of the light.
         assert!((linear_from_srgb(0.5) - 0.214_04).abs() < 1e-4);
         assert_eq!(linear_from_srgb(0.0), 0.0);
         assert!((linear_from_srgb(1.0) - 1.0).abs() < 1e-6);
-        // Both pieces meet.
+        // The two pieces of the curve meet.
         assert!((linear_from_srgb(0.04045) - linear_from_srgb(0.040_451)).abs() < 1e-6);
     }
 

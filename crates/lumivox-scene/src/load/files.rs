@@ -1,4 +1,4 @@
-//! The files that a scene names: data URIs, and files in its own folder.
+//! The files that a scene names: data URIs, and files in the scene's own folder.
 //!
 //! A scene can come from anywhere, so it must not make this program read other parts of the disk.
 //! Unless the user allows more, only relative paths that go down are accepted, and only to files
@@ -13,19 +13,19 @@ use super::find::find;
 use super::source::{self, FileSource};
 use crate::{SceneError, check_regular, read_regular};
 
-/// The files that a scene may name, and where they are read from.
+/// The files that a scene may name, and their source.
 #[derive(Clone, Copy)]
 pub(super) struct Reach<'a> {
-    /// Whether any file may be read, or only those in `folders` and below.
+    /// `true` if any file may be read; otherwise only files in `folders` and below.
     pub(super) anywhere: bool,
     /// The scene's own folder, and for some formats a second one.
     pub(super) folders: &'a [PathBuf],
-    /// The source that replaces the disk, if any.
+    /// The source that replaces the disk; `None` for the disk.
     pub(super) source: Option<&'a dyn FileSource>,
 }
 
 impl<'a> Reach<'a> {
-    /// Reads a regular file: a pipe or a device might never end.
+    /// Reads a regular file; a pipe or a device might never end.
     pub(super) fn read(self, path: &Path) -> io::Result<Cow<'a, [u8]>> {
         match self.source {
             Some(source) => source.read(&source::key(path)),
@@ -40,8 +40,8 @@ impl<'a> Reach<'a> {
         }
     }
 
-    /// Why the thing at a path of the disk is not a regular file; `None` if it is one, or if
-    /// nothing exists there.
+    /// The reason why a path of the disk is not a regular file; `None` if it is one, or does not
+    /// exist.
     pub(super) fn obstacle(self, path: &Path) -> Option<io::Error> {
         let fault = if self.source.is_some() { None } else { check_regular(path).err() };
         fault.filter(|error| error.kind() != io::ErrorKind::NotFound)
@@ -54,7 +54,7 @@ impl<'a> Reach<'a> {
         }
         let real = match path.canonicalize() {
             Ok(real) => real,
-            // Reading it reports the error.
+            // Reading the file will report the error.
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
             Err(error) => return Err(format!("its real place is not known: {error}")),
         };
@@ -83,8 +83,8 @@ pub(super) enum Located {
 }
 
 /// Resolves `uri`, named by `part` of the scene in `file`, without reading a file (RFC 3986:
-/// percent signs escape). The candidate that exists is used, because some files are really called
-/// `a%20b.png`, and some URIs are paths of other systems.
+/// percent signs escape). The first candidate that exists is used, because some files are really
+/// called `a%20b.png`, and some URIs are paths of other systems.
 pub(super) fn locate_uri(
     file: &Path,
     part: &str,
@@ -145,7 +145,7 @@ pub(super) fn resolve(file: &Path, path: &str, anywhere: bool) -> Result<PathBuf
     Ok(file.parent().unwrap_or(Path::new("")).join(checked))
 }
 
-/// The start of a text that may be long.
+/// Shortens a text that may be long.
 pub(crate) fn shorten(text: &str) -> String {
     const LONGEST: usize = 80;
     if text.chars().count() <= LONGEST {
@@ -166,7 +166,8 @@ fn check_path(path: &str, anywhere: bool) -> Result<PathBuf, String> {
         if let Some((scheme, _)) = path.split_once(':') {
             return Err(format!("the scheme \"{}:\" is not followed", shorten(scheme)));
         }
-        // Both separators on every system: what a scene may read must not depend on the system.
+        // Both separators count on every system, so that a scene may read the same files
+        // everywhere.
         if path.starts_with(['/', '\\']) {
             return Err("the path is absolute".to_owned());
         }

@@ -3,9 +3,9 @@
 //! Names are often written on another machine: with backslashes, in another case or encoding, or
 //! with the full path of a folder that does not exist here. The search tries, in this order: the
 //! unchanged path; the path in any case; and the path without its leading folders, down to the bare
-//! name, below each of some folders, such as those of the file that names it and of the scene. All
-//! of this is then repeated without quotation marks and without a comment after the name, and with
-//! URI escapes (`%20`) decoded.
+//! name, in each of some folders, such as the folder of the file that names it, and the scene's.
+//! All of this is then repeated without quotation marks and without a comment after the name, and
+//! with URI escapes (`%20`) decoded.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -15,11 +15,11 @@ use super::text::readable;
 
 /// Bytes of a path: the limit of Linux.
 const LONGEST_PATH: usize = 4096;
-/// The most folders of a path whose leading folders are dropped in the search.
+/// The most components of a path that remain when its leading folders are dropped.
 const MOST_FOLDERS: usize = 32;
 
-/// Finds the file called `name` in the folder of the first of `beside` that has it; the error says
-/// why there is none, with a remedy.
+/// Finds the file called `name` in the first of the folders of the files `beside`; the error gives
+/// the reason and a remedy.
 pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<PathBuf, String> {
     if name.len() > LONGEST_PATH {
         return Err(format!("\"{}\" is too long for a path", readable(name)));
@@ -34,7 +34,7 @@ pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Pa
     })
 }
 
-/// A name without a comment behind it and without quotation marks around it.
+/// Removes a comment after a name, and quotation marks around it.
 pub(super) fn bare(name: &[u8]) -> &[u8] {
     let is_comment = |pair: &[u8]| pair[0].is_ascii_whitespace() && pair[1] == b'#';
     let end = name.windows(2).position(is_comment).unwrap_or(name.len());
@@ -64,7 +64,7 @@ fn find_spelling(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Path
             Err(why) => reason = Some(why),
         }
     }
-    // Also for paths that lead elsewhere: what remains of them stays below the folder.
+    // Also for paths that lead out of the folder: without their leading folders they stay in it.
     let words: Vec<&str> = text.split(['/', '\\']).filter(|word| !word.is_empty()).collect();
     for first in words.len().saturating_sub(MOST_FOLDERS)..words.len() {
         let rest = words[first..].join("/");
@@ -88,7 +88,7 @@ fn find_spelling(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<Path
     })
 }
 
-/// The found file, if it may be read; otherwise `refused` is set to the reason.
+/// Returns `found` if it may be read; otherwise sets `refused` to the reason.
 fn admitted(
     found: Option<PathBuf>,
     reach: Reach<'_>,
@@ -111,8 +111,8 @@ fn decode(name: &[u8]) -> String {
     }
 }
 
-/// The file whose name has the same bytes as one that is not UTF-8, beside `base`: both were
-/// written in the same other encoding. Only Unix has such names.
+/// Finds a file beside `base` by a name that is not UTF-8, byte for byte: both names may have the
+/// same other encoding. Only Unix has such names.
 fn same_bytes(base: &Path, name: &[u8], reach: Reach<'_>) -> Option<PathBuf> {
     if std::str::from_utf8(name).is_ok() || reach.source.is_some() {
         return None;
@@ -156,7 +156,7 @@ fn ignoring_case(base: &Path, path: &Path, reach: Reach<'_>) -> Option<PathBuf> 
             .filter_map(|entry| Some(entry.ok()?.file_name()))
             .filter(|name| name.to_string_lossy().to_lowercase() == wanted)
             .collect();
-        // Sorted, so that every run picks the same of several that differ only by case.
+        // Sorted, so that every run picks the same one of names that differ only in case.
         names.sort_unstable();
         at.push(names.first()?);
     }

@@ -1,6 +1,6 @@
-//! Files that are not what their names say: archives, web pages, pointers.
+//! Files of another kind than their names say: archives, web pages, pointers.
 
-/// The kind of a file that is neither a scene nor a picture, by its first bytes, and the remedy.
+/// The kind of a file that is neither a scene nor a picture, by its first bytes, with a remedy.
 pub(crate) fn what(bytes: &[u8]) -> Option<&'static str> {
     const KINDS: [(&[u8], &str); 4] = [
         (b"PK\x03\x04", "it is a ZIP archive; unpack it, and give the file that is in it"),

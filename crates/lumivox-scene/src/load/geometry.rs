@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use crate::{Mesh, SceneError};
 
-/// The most vertices that 32-bit indices can number; the last number means "none".
+/// The most vertices that 32-bit indices can address; the largest index means "none".
 const MOST_VERTICES: usize = u32::MAX as usize;
 
 /// The unused part of [`MemoryBudget::geometry_bytes`](super::MemoryBudget::geometry_bytes).
@@ -29,7 +29,7 @@ impl<'f> GeometryBudget<'f> {
         indices: usize,
         colors: bool,
     ) -> Result<(), SceneError> {
-        // Beyond that, indices of 32 bits cannot number the vertices.
+        // 32-bit indices cannot address more vertices.
         let more =
             if vertices <= MOST_VERTICES { bytes(vertices, indices, colors) } else { u64::MAX };
         self.take(part, more)
@@ -45,12 +45,12 @@ impl<'f> GeometryBudget<'f> {
         self.check(part, 0)
     }
 
-    /// The remaining bytes.
+    /// The unspent bytes.
     pub(super) fn left(&self) -> u64 {
         self.all.saturating_sub(self.spent)
     }
 
-    /// Checks that `more` bytes would fit, such as those that a reader needs temporarily.
+    /// Checks that `more` bytes would fit, such as temporary ones.
     pub(super) fn check(&self, part: impl FnOnce() -> String, more: u64) -> Result<(), SceneError> {
         let needed = self.spent.saturating_add(more);
         if needed <= self.all {
@@ -66,8 +66,8 @@ impl<'f> GeometryBudget<'f> {
 }
 
 impl GeometryBudget<'_> {
-    /// Charges the copies of vertices that different normals at their corners may need: at most one
-    /// per corner.
+    /// Charges the copies of vertices for different normals at their corners: at most one per
+    /// corner.
     pub(super) fn spend_split(&mut self, mesh: &Mesh) -> Result<(), SceneError> {
         let more = mesh.indices.len().saturating_sub(mesh.positions.len());
         let part = || format!("mesh \"{}\", its vertices split at edges,", mesh.name);
@@ -86,7 +86,7 @@ fn bytes(vertices: usize, indices: usize, colors: bool) -> u64 {
         .saturating_add((indices as u64).saturating_mul(4))
 }
 
-/// An amount of memory in the unit that suits it.
+/// Formats an amount of memory with a suitable unit.
 pub(super) fn size_text(bytes: u64) -> String {
     let bytes = bytes as f64;
     let (value, unit) = match bytes {

@@ -50,36 +50,33 @@ pub use source::FileSource;
 
 pub use units::UpAxis;
 
-/// Options of loading a scene. The default loads what a file shows by itself, and reads no file
-/// outside the scene's folder.
+/// Options of loading a scene. The default reads no files outside the scene's folder.
 pub struct LoadOptions<'a> {
-    /// Whether the scene may name files outside its own folder (for VXCT's scenes in a folder
-    /// `scenes`: outside the folder above). Default: no.
+    /// `true` if the scene may name files outside its own folder (for VXCT's scenes in a folder
+    /// `scenes`: outside the parent folder). Default: no.
     pub allow_outside: bool,
-    /// Whether to load a file that requires an unsupported glTF extension which may change the
+    /// `true` to load a file that requires an unsupported glTF extension which may change the
     /// picture; a warning then names it. Extensions that only refine the picture are always
     /// allowed. Default: no.
     pub ignore_required: bool,
-    /// The scene of a file to load (glTF, VXCT), by name or number. Default: the one that the file
-    /// marks, else the first.
+    /// The scene of a file to load (glTF, VXCT), by name or number. Default: the file's default
+    /// scene, else its first.
     pub scene: Option<String>,
     /// The axis of the file that points up. Default: y. Use z if a CAD model or a scan lies on its
     /// back.
     pub up: UpAxis,
     /// The length of the file's unit in metres, above 0. Default: 1; 0.001 for files in
-    /// millimetres, as is common in CAD. Lengths and places are multiplied, strengths of lights are
-    /// not.
+    /// millimetres, as is common in CAD. It multiplies lengths and positions, but not intensities.
     pub unit_m: f32,
     /// The angle from which an edge stays sharp, in radians from 0 (all edges do) to pi (none
-    /// does), for the surfaces of OBJ, PLY and STL files without normals. Default: what each format
-    /// means by their absence: PLY is smooth, STL is flat, OBJ is flat outside its smoothing
-    /// groups.
+    /// does), for the surfaces of OBJ, PLY and STL files without normals. Default: the format's:
+    /// PLY is smooth, STL flat, OBJ flat outside its smoothing groups.
     pub crease_rad: Option<f32>,
     /// The memory budget of the scene.
     pub budget: MemoryBudget,
     /// The source of all files, including the scene's own. Default: the disk.
     pub files: Option<&'a dyn FileSource>,
-    /// A function that is called from time to time with the progress.
+    /// A function that is called repeatedly with the progress.
     pub progress: Option<&'a mut dyn FnMut(LoadProgress)>,
 }
 
@@ -187,7 +184,7 @@ impl Scene {
 
     /// Loads a scene whose file is in memory. `name` replaces its path: its extension decides the
     /// format, and messages begin with it. Files that it names are read through
-    /// [`LoadOptions::files`]; without that they do not exist, and the disk is not used.
+    /// [`LoadOptions::files`], never from the disk; without `files` they do not exist.
     ///
     /// # Errors
     /// As [`Scene::load_with`].
@@ -214,7 +211,7 @@ impl Scene {
 
 /// Whether the scene `file` may name the existing file at `path` without
 /// [`LoadOptions::allow_outside`]: its real path, with all links resolved, must be in the scene's
-/// folder or below; for VXCT's scenes in a folder `scenes` also in the folder above.
+/// folder or below; for VXCT's scenes in a folder `scenes`, in the parent folder or below.
 pub fn may_name(file: &Path, path: &Path) -> bool {
     let options = LoadOptions::default();
     let folders = match extension(file).as_str() {
@@ -278,7 +275,7 @@ fn load(path: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError>
     Ok(scene)
 }
 
-/// Warnings, each once.
+/// A list of warnings without duplicates.
 #[derive(Clone, Default)]
 struct Notes {
     warnings: Vec<String>,

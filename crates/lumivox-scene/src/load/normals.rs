@@ -26,7 +26,7 @@ pub(super) fn corner_normals(corners: [Vec3; 3]) -> [Vec3; 3] {
     let normal = face_normal(corners);
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     let sides = [b - a, c - b, a - c].map(DVec3::normalize_or_zero);
-    // The outer angle at a corner is that between the side before and the side after.
+    // The angle between the sides before and after a corner is its outer angle.
     let angle = |before: DVec3, after: DVec3| (-before).dot(after).clamp(-1.0, 1.0).acos();
     [(sides[2], sides[0]), (sides[0], sides[1]), (sides[1], sides[2])]
         .map(|(before, after)| normal * angle(before, after) as f32)
@@ -43,7 +43,7 @@ pub(super) fn flat(corners: &[Vec3]) -> Vec<Vec3> {
     normals
 }
 
-/// One normal a vertex from all triangles around it.
+/// One normal per vertex, from all triangles around it.
 pub(super) fn smooth(positions: &[Vec3], indices: &[u32]) -> Vec<Vec3> {
     let mut normals = vec![Vec3::ZERO; positions.len()];
     for triangle in indices.chunks_exact(3) {
@@ -60,8 +60,8 @@ pub(super) fn smooth(positions: &[Vec3], indices: &[u32]) -> Vec<Vec3> {
 }
 
 /// One normal per corner: smooth across edges at which exactly two triangles meet at less than
-/// `crease_rad`, so that sharper edges stay sharp. `indices` must have the same number for the same
-/// point.
+/// `crease_rad`, so that sharper edges stay sharp. Corners at the same point must have the same
+/// index in `indices`.
 pub(super) fn creased(positions: &[Vec3], indices: &[u32], crease_rad: f32) -> Vec<Vec3> {
     let cosine = crease_rad.cos();
     let faces = |corner: u32| {
@@ -110,7 +110,7 @@ pub(super) fn creased(positions: &[Vec3], indices: &[u32], crease_rad: f32) -> V
     normals
 }
 
-/// The triangles around one vertex, in sets that are smooth within.
+/// The triangles around one vertex, as disjoint sets (union-find) of smoothly joined triangles.
 #[derive(Default)]
 struct Fan {
     sums: Vec<Vec3>,
@@ -204,8 +204,8 @@ fn copy_vertex(mesh: &mut Mesh, i: usize) -> usize {
     mesh.positions.len() - 1
 }
 
-/// Normalises normals. Those without a direction, or that are not finite, are replaced by their
-/// triangles'. Returns how many were replaced.
+/// Normalises normals. Normals of length zero, or that are not finite, are replaced by their
+/// triangles' normals. Returns how many were replaced.
 pub(super) fn repair(normals: &mut [Vec3], positions: &[Vec3], indices: &[u32]) -> usize {
     let mut broken = 0;
     for normal in &mut *normals {
@@ -234,7 +234,7 @@ mod tests {
 
     use super::*;
 
-    /// A cube of shared corners, its faces cut along any diagonal.
+    /// A cube with shared corners; its faces are divided along any diagonal.
     fn cube() -> (Vec<Vec3>, Vec<u32>) {
         let positions = (0..8)
             .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32))
@@ -288,7 +288,7 @@ mod tests {
             let normals = creased(&mesh.positions, &mesh.indices, crease);
             set_corner_normals(&mut mesh, &normals);
             set_any_tangents(&mut mesh);
-            // Equal sums can differ by rounding, which costs vertices and does no harm.
+            // Equal sums can differ by rounding, which only costs vertices.
             assert!((vertices..=36).contains(&mesh.positions.len()), "{}", mesh.positions.len());
             for list in [mesh.normals.len(), mesh.uvs.len(), mesh.colors.len(), mesh.tangents.len()]
             {

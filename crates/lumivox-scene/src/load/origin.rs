@@ -1,27 +1,27 @@
 //! Map coordinates of millions of metres, which 32-bit floats resolve to only half a metre.
 //!
-//! Readers store what f32 loses of such coordinates ([`Rest`]). Once all are known, the scene is
-//! moved in f64 by a round number near its middle, its *origin*.
+//! Readers store what f32 loses of such coordinates ([`Rest`]). Once all positions are known, the
+//! scene is moved in f64 by its *origin*, a round number near its middle.
 
 use glam::{DVec3, Vec3};
 
 use super::Notes;
 
-/// The least coordinate that counts as far, in the file's unit: up to it f32 is exact to a quarter
-/// of a thousandth.
+/// The least coordinate that counts as far, in the file's unit: f32 is exact to a quarter of a
+/// thousandth up to it.
 pub(super) const FAR: f64 = 4096.0;
-/// Origins are multiples of this power of two, so that subtracting one from an f32 coordinate loses
-/// nothing.
+/// Origins are multiples of this power of two, so that subtracting an origin from an f32 coordinate
+/// is exact.
 const ROUND: f64 = 1024.0;
-/// From this coordinate on an origin is always worth it: f32 is exact to a thousandth only, a
-/// millimetre if the unit is a metre.
+/// Scenes at or beyond this coordinate always get an origin: f32 is only exact to a thousandth
+/// there, a millimetre if the unit is a metre.
 const ALWAYS: f64 = 16384.0;
-/// Nearer, an origin is worth it if the distance from zero is more than this many times the size.
+/// Nearer scenes get an origin if their distance from zero is more than this many times their size.
 const TIMES: f64 = 8.0;
 /// The most positions that are sampled to find the middle.
 const MOST_SAMPLES: usize = 4096;
 
-/// The rounding errors of positions that became f32, in their order; empty until a position is far.
+/// The errors of positions rounded to f32, in their order; empty until a position is far.
 #[derive(Debug, Default)]
 pub(super) struct Rest {
     count: usize,
@@ -41,8 +41,8 @@ impl Rest {
         rounded
     }
 
-    /// The positions relative to the `first` one, by index, so that shapes do not lose what f32
-    /// loses far from zero.
+    /// The exact positions relative to the position `first`, by index, so that shapes far from zero
+    /// do not lose precision.
     pub(super) fn relative_to<'a>(
         &'a self,
         first: usize,
@@ -56,8 +56,8 @@ impl Rest {
         move |index| (exact(index) - middle).as_vec3()
     }
 
-    /// Moves the positions, in one list or several, to their origin, and returns it: zero if they
-    /// stay.
+    /// Subtracts the origin from the positions, in one or more lists, and returns it; zero if they
+    /// do not need one.
     pub(super) fn take_origin<'a>(&self, lists: impl IntoIterator<Item = &'a mut [Vec3]>) -> DVec3 {
         let mut lists: Vec<&mut [Vec3]> = lists.into_iter().collect();
         let origin =
@@ -76,7 +76,7 @@ fn is_far(place: DVec3) -> bool {
     place.abs().max_element() >= FAR
 }
 
-/// The origin of positions; zero if none helps.
+/// Computes the origin of positions; zero if they do not need one.
 pub(super) fn origin_of<I: Iterator<Item = DVec3>>(places: impl Fn() -> I) -> DVec3 {
     let finite = || places().filter(|place| place.as_vec3().is_finite());
     if !finite().any(is_far) {
@@ -112,7 +112,7 @@ pub(super) fn tell(warnings: &mut Vec<String>, origin: DVec3) {
     ));
 }
 
-/// Warns about the precision lost by a file that itself stores positions around an origin as f32.
+/// Warns about lost precision if the file itself stores far positions as f32.
 pub(super) fn tell_lost(notes: &mut Notes, origin: DVec3) {
     if origin == DVec3::ZERO {
         return;
@@ -148,7 +148,7 @@ mod tests {
         assert!((places[2] - places[0] - Vec3::new(0.0, 2.5, 8.125)).length() < 2e-5);
     }
 
-    /// Vertices that nothing uses are at zero in many files.
+    /// In many files, unused vertices are at zero.
     #[test]
     fn an_unused_vertex_at_zero_does_not_prevent_recentring() {
         let (places, origin) =

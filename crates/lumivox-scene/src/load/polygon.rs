@@ -9,11 +9,11 @@
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec3};
 
-/// Polygons with more corners than this become fans whatever their shape: clipping one that crosses
-/// itself everywhere takes quadratic time.
+/// Polygons with more corners always become fans: clipping a polygon that crosses itself everywhere
+/// takes quadratic time.
 const MOST_CLIPPED: usize = 20_000;
 
-/// Divides polygons, reusing its memory.
+/// Divides polygons; reuses its memory.
 #[derive(Default)]
 pub(super) struct Cutter {
     earcut: Earcut<f64>,
@@ -23,7 +23,7 @@ pub(super) struct Cutter {
 }
 
 impl Cutter {
-    /// The triangles of a polygon, as numbers of its corners, with its winding.
+    /// Divides a polygon into triangles of the same winding, as indices of its corners.
     pub(super) fn cut(&mut self, corners: &[Vec3]) -> &[u32] {
         self.triangles.clear();
         if corners.len() > 3 && corners.len() <= MOST_CLIPPED {
@@ -32,7 +32,7 @@ impl Cutter {
                 self.clip();
             }
         }
-        // Also used if the polygon has no plane, or no ears.
+        // Also makes a fan if the polygon has no plane, or no ears.
         if self.triangles.is_empty() {
             let last = corners.len().saturating_sub(1) as u32;
             self.triangles.extend((1..last).flat_map(|i| [0, i, i + 1]));
@@ -44,8 +44,8 @@ impl Cutter {
     /// it has no plane.
     fn project(&mut self, corners: &[Vec3]) {
         self.points.clear();
-        // Relative to the first corner: far from the origin, products lose the digits in which
-        // corners differ.
+        // Relative to the first corner, since products of large coordinates lose the digits in
+        // which corners differ.
         let origin = corners[0].as_dvec3();
         let at = |i: usize| corners[i % corners.len()].as_dvec3() - origin;
         let normal: DVec3 = (0..corners.len()).map(|i| at(i).cross(at(i + 1))).sum();
@@ -70,11 +70,11 @@ impl Cutter {
     }
 }
 
-/// Whether a polygon turns left at every corner, and only once round.
+/// Whether a polygon turns left at every corner, and makes only one full turn.
 fn is_convex(points: &[DVec2]) -> bool {
     let count = points.len();
     let edge = |i: usize| points[(i + 1) % count] - points[i % count];
-    // Once round, x changes its direction twice; a star does so more often.
+    // In one full turn, x changes its direction twice; in a star, more often.
     let mut turns = 0;
     for i in 0..count {
         let (this, next) = (edge(i), edge(i + 1));
@@ -103,7 +103,7 @@ mod tests {
             .collect()
     }
 
-    /// An L of area 3, out of the plane z = 0 by a rotation and far away.
+    /// An L of area 3, rotated out of the plane z = 0 and far from the origin.
     fn letter() -> (Vec<Vec3>, Vec3) {
         let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.7, -1.1, 2.0);
         let flat = [(1., 1.), (1., 2.), (0., 2.), (0., 0.), (2., 0.), (2., 1.)];
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn self_intersecting_polygons_are_cut_in_bounded_time() {
-        // A spiral of random chords: every edge crosses most others.
+        // A polygon of random chords: every edge crosses most others.
         let mut state = 1_u32;
         let mut random = || {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

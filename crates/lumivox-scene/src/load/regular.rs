@@ -1,4 +1,4 @@
-//! Regular files: reading a pipe, a socket or a device might wait for ever or never end.
+//! Regular files. Reading a pipe, a socket or a device might block or never end.
 
 use std::fs::{File, FileType, Metadata};
 use std::io::{self, Read as _};
@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Opens a regular file; also returns its length in bytes.
 pub(super) fn open_regular(path: &Path) -> io::Result<(File, u64)> {
-    // The kind is checked before opening, because opening a pipe waits.
+    // The kind is checked before opening, because opening a pipe blocks.
     let metadata = check_regular(path)?;
     Ok((File::open(path)?, metadata.len()))
 }
@@ -74,7 +74,7 @@ mod tests {
         );
     }
 
-    /// The pipe has no writer: opening it would wait for ever.
+    /// The pipe has no writer: opening it would block for ever.
     #[cfg(unix)]
     #[test]
     fn pipes_and_sockets_are_refused_at_once() {

@@ -1,4 +1,4 @@
-//! Repairs NaN and infinite numbers of meshes: each costs no more than its own vertex.
+//! Repairs NaN and infinite numbers of meshes, so that each costs at most its own vertex.
 
 use glam::{Vec2, Vec3, Vec4};
 

@@ -1,7 +1,7 @@
 //! The source of files: the disk, or the caller.
 //!
 //! A program in a browser has no disk, and one that unpacks archives has its files in memory. Both
-//! provide a [`FileSource`], and loaders then use no other source.
+//! provide a [`FileSource`], and loaders then only use this source.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -28,15 +28,16 @@ use std::path::{Component, Path};
 /// # Ok::<(), lumivox_scene::SceneError>(())
 /// ```
 pub trait FileSource {
-    /// The bytes of the file at `path`: the scene's own path as given, or that of a file which it
-    /// names, in the scene's folder. Folders are separated by `/`, and the path has no `.` in it.
+    /// The bytes of the file at `path`: the scene's own path as given, or the path of a file that
+    /// it names, in the scene's folder. Folders are separated by `/`, and the path has no `.` in
+    /// it.
     ///
     /// # Errors
     /// [`io::ErrorKind::NotFound`], or another error, which the loader's message quotes.
     fn read(&self, path: &str) -> io::Result<Cow<'_, [u8]>>;
 
-    /// The path of a file that differs from `path` only in upper and lower case, as files made on
-    /// Windows often name each other. Default: none.
+    /// The path of a file that differs from `path` only in case: files made on Windows often name
+    /// each other so. Default: none.
     fn find_ignoring_case(&self, path: &str) -> Option<String> {
         let _ = path;
         None
@@ -53,12 +54,12 @@ impl<S: BuildHasher> FileSource for HashMap<String, Vec<u8>, S> {
 
     fn find_ignoring_case(&self, path: &str) -> Option<String> {
         let wanted = path.to_lowercase();
-        // The first of several, so that every run picks the same.
+        // The least of several, so that every run picks the same one.
         self.keys().filter(|key| key.to_lowercase() == wanted).min().cloned()
     }
 }
 
-/// A scene's file in memory, with its other files from another source, if there is one.
+/// A source with the scene's file in memory, and other files from another source, if there is one.
 pub(super) struct Memory<'a> {
     pub(super) name: &'a str,
     pub(super) bytes: &'a [u8],
@@ -93,7 +94,7 @@ pub(super) fn key(path: &Path) -> String {
             Component::ParentDir if words.last().is_some_and(|word| word != "..") => {
                 words.pop();
             }
-            // The root is an empty word, so that an absolute path begins with its slash.
+            // The root is an empty word, so that an absolute path begins with a slash.
             Component::RootDir => words.push(Cow::Borrowed("")),
             other => words.push(other.as_os_str().to_string_lossy()),
         }

@@ -1,7 +1,7 @@
 //! Reading files piece by piece, with progress in bytes.
 //!
-//! A scan can be larger than half of the memory: no reader here holds its whole file, only the
-//! current piece, so that the peak is about the size of the scene itself.
+//! A scan can be larger than half of the memory, so readers only hold the current piece of the
+//! file: the peak is about the size of the scene.
 
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::Path;
@@ -23,7 +23,7 @@ pub(super) struct CountingReader<'s, 'o, R> {
     options: &'s mut LoadOptions<'o>,
 }
 
-/// A file on the disk or elsewhere.
+/// A reader of a file from the disk or another source.
 pub(super) type FileReader<'s, 'o> = BufReader<CountingReader<'s, 'o, Box<dyn Read + 'o>>>;
 
 /// Opens a regular file; also returns its length in bytes.

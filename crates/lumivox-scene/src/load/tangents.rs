@@ -16,9 +16,9 @@ pub(super) fn generate(mesh: &mut Mesh) {
     generate_for(mesh, TextureRef::new(0));
 }
 
-/// Replaces the mesh's tangents by those for this normal texture: they follow the coordinates at
-/// which the texture is read, its set and its transform. Vertices whose triangles disagree
-/// (mirrored images, seams) are split, so the mesh may grow; at most to one vertex per corner.
+/// Replaces the mesh's tangents by those for this normal texture: they follow the texture's
+/// coordinate set and transform. Vertices whose triangles disagree (mirrored images, seams) are
+/// split, so the mesh may grow, at most to one vertex per corner.
 pub(super) fn generate_for(mesh: &mut Mesh, normals: TextureRef) {
     let mut corners = Corners { tangents: vec![None; mesh.indices.len()], mesh, normals };
     // The error type has no values.
@@ -29,7 +29,7 @@ pub(super) fn generate_for(mesh: &mut Mesh, normals: TextureRef) {
     weld(mesh, &tangents);
 }
 
-/// Sets the tangent of every corner; corners of a vertex that agree share one vertex.
+/// Sets the tangent of every corner; equal corners of a vertex share one vertex.
 fn weld(mesh: &mut Mesh, tangents: &[Option<Vec4>]) {
     let mut known: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
     let mut taken = vec![false; mesh.positions.len()];
@@ -98,8 +98,8 @@ impl Geometry for Corners<'_> {
     }
 
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
-        // MikkTSpace's bitangent follows growing v, which in glTF runs down the image, while the
-        // normal texture's y runs up: hence the sign.
+        // MikkTSpace's bitangent follows growing v, which points down the image in glTF, while the
+        // normal texture's y points up: hence the sign.
         self.tangents[face * 3 + corner] = space.map(|space| {
             let [x, y, z, w] = space.tangent_encoded();
             Vec3::new(x, y, z).normalize_or_zero().extend(-w)
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_vertex_between_mirrored_halves_is_split() {
-        // The second triangle's image runs the other way: the shared edge needs two tangents.
+        // The second triangle's image is mirrored: the shared edge needs two tangents.
         let mut mesh = square(false);
         mesh.uvs[3] = Vec2::new(1.0, 1.0);
         generate(&mut mesh);

@@ -7,8 +7,8 @@ use std::str::FromStr;
 use super::files::shorten;
 use crate::SceneError;
 
-/// The longest line in bytes, joined lines included: a polygon of some millions of corners. A file
-/// of another format may have no line break at all, and would have to be held in memory.
+/// The longest line in bytes, joined lines included: a polygon of millions of corners. Without a
+/// limit, a file of another format without line breaks would be held in memory.
 const LONGEST_LINE: usize = 64 << 20;
 
 /// The lines of a file, ended by LF, CR LF or CR.
@@ -18,21 +18,21 @@ pub(super) struct Lines<'f, R> {
     line: Vec<u8>,
     number: u64,
     after_return: bool,
-    /// Whether the text is UTF-16, whose ASCII characters are a byte and a zero.
+    /// `true` if the text is UTF-16, in which ASCII characters are a byte and a zero.
     is_wide: bool,
 }
 
 /// The byte order marks of UTF-8, and of UTF-16 in both byte orders.
 pub(super) const MARKS: [&[u8]; 3] = [b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff"];
 
-/// A text without the mark at its start, and whether it is UTF-16.
+/// Removes the byte order mark of a text; also returns whether the text is UTF-16.
 pub(super) fn without_mark(text: &[u8]) -> (&[u8], bool) {
     let marked = |mark: &[u8]| Some((text.strip_prefix(mark)?, mark.len() == 2));
     MARKS.into_iter().find_map(marked).unwrap_or((text, false))
 }
 
 impl<'f, R: BufRead> Lines<'f, R> {
-    /// The lines of the rest of `file` in `reader`; `before` lines were read already.
+    /// The lines of the rest of `file`, from `reader`; `before` lines were read already.
     pub(super) fn new(file: &'f Path, reader: R, before: u64) -> Self {
         Self { file, reader, line: Vec::new(), number: before, after_return: false, is_wide: false }
     }
@@ -60,11 +60,11 @@ impl<'f, R: BufRead> Lines<'f, R> {
     /// Reads the next line, joined with the one after it if it ends in a backslash.
     pub(super) fn advance_joined(&mut self) -> Result<bool, SceneError> {
         let more = self.advance()?;
-        // A comment may end in anything.
+        // A backslash at the end of a comment does not join lines.
         if self.line.trim_ascii_start().starts_with(b"#") {
             return Ok(more);
         }
-        // Blanks after the backslash are invisible, so they are ignored.
+        // Ignores invisible blanks after the backslash.
         while let Some(before) = self.line.trim_ascii_end().strip_suffix(b"\\") {
             self.line.truncate(before.len());
             self.line.push(b' ');
@@ -168,7 +168,7 @@ pub(super) fn number<T: FromStr + From<f32>>(word: &[u8]) -> Option<T> {
     (digits.starts_with("nan(") || digits.starts_with("1.#")).then_some(f32::NAN.into())
 }
 
-/// The next `N` numbers of a line, or a sentence on what is wrong.
+/// The next `N` numbers of a line, or a sentence about the fault.
 pub(super) fn numbers<'w, const N: usize, T: FromStr + From<f32> + Copy>(
     words: &mut impl Iterator<Item = &'w [u8]>,
 ) -> Result<[T; N], String> {
@@ -184,7 +184,7 @@ pub(super) fn numbers<'w, const N: usize, T: FromStr + From<f32> + Copy>(
 
 /// Text of any encoding in printable form, shortened.
 pub(super) fn readable(bytes: &[u8]) -> String {
-    // Longer ones are cut anyway; a character is at most four bytes.
+    // Longer texts are shortened anyway; a character has at most four bytes.
     shorten(&String::from_utf8_lossy(&bytes[..bytes.len().min(1024)]))
 }
 

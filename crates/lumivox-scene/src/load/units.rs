@@ -41,8 +41,8 @@ pub(super) fn check(file: &Path, options: &LoadOptions<'_>) -> Result<(), SceneE
     })
 }
 
-/// Rotates and scales a loaded scene according to the options: places and lengths, not the
-/// strengths of lights.
+/// Rotates and scales a loaded scene according to the options: positions and lengths, not
+/// intensities.
 pub(super) fn apply(
     scene: &mut Scene,
     file: &Path,
@@ -55,10 +55,11 @@ pub(super) fn apply(
         return Ok(());
     }
     scene.transform(rotation);
-    // The intended decimals: f32 is off by centimetres on a map.
+    // The decimal number that was meant: the rounding error of f32 is centimetres in map
+    // coordinates.
     let exact_m: f64 = unit_m.to_string().parse().unwrap_or(f64::from(unit_m));
     scene.origin = exact_m * (up.rotation().as_dmat3() * scene.origin);
-    // Animations keep their unit at all times.
+    // Animations get the unit, too.
     if let Some(rig) = &mut scene.rig {
         rig.transform(scale);
     }
@@ -72,7 +73,7 @@ pub(super) fn apply(
             let at_a_metre = attenuation.at(1.0);
             attenuation.linear /= unit_m;
             attenuation.quadratic /= unit_m * unit_m;
-            // The light that arrives at a metre gives the strength.
+            // The intensity is defined by the light that arrives at a distance of a metre.
             if !light.kind.is_parallel() {
                 light.intensity *= attenuation.at(1.0) / at_a_metre;
             }
@@ -87,7 +88,7 @@ pub(super) fn apply(
         camera.position *= unit_m;
         camera.near_m *= unit_m;
     }
-    // Extreme units make numbers overflow, or flatten small things.
+    // Extreme units may overflow numbers, or flatten small things.
     crate::validate::validate(scene, file)
 }
 
@@ -129,12 +130,12 @@ mod tests {
         let lamp = scene.lights.last().unwrap();
         assert_eq!(lamp.position, Vec3::new(0.5, 1.5, -1.0));
         assert_eq!(lamp.radius_m, 0.25);
-        // This gives the same share of the light at the same place, which is half as far away.
+        // The same share of light arrives at the same point, which is half as far away.
         let attenuation = Attenuation { constant: 1.0, linear: 1.0, quadratic: 12.0 };
         assert_eq!(lamp.attenuation, Some(attenuation));
         let grid = Bounds { min: Vec3::new(-0.5, -0.5, -1.0), max: Vec3::new(0.5, 1.5, 0.5) };
         assert_eq!(scene.grid_bounds, Some(grid));
-        // Its colour, which VXCT multiplies by that share, stays: a metre is twice as far for it.
+        // The intensity follows the light at a metre, which was two units away before.
         assert!((lamp.intensity - 5.0 * 4.5 / 14.0).abs() < 1e-6, "{}", lamp.intensity);
         assert_eq!(lamp.range_m, Some(2.0));
     }

@@ -6,10 +6,10 @@ use super::name_or_index;
 use crate::LoadNotes;
 use crate::load::files::shorten;
 
-/// The most names of a kind: a hostile file could have millions.
+/// The most names of each kind: a hostile file could have millions.
 const MOST: usize = 1000;
 
-/// Notes of the generator, the extensions and the scenes.
+/// The notes on the generator, the extensions and the scenes.
 pub(super) fn about(root: &Root) -> LoadNotes {
     let names = |names: &[String]| names.iter().take(MOST).map(|name| shorten(name)).collect();
     let scenes = root.scenes.iter().take(MOST).enumerate();

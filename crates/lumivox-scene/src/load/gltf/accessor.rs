@@ -19,8 +19,8 @@ impl<'a> Loader<'a> {
         self.read_vectors(accessor, what, &layout)
     }
 
-    /// As [`Self::read_floats`], with all integers normalised, even if the accessor does not say
-    /// so: for values that can only be shares, such as a colour.
+    /// As [`Self::read_floats`], but always normalises integers: for values that can only be
+    /// shares, such as colours.
     pub(super) fn read_shares<const N: usize>(
         &self,
         accessor: usize,
@@ -99,8 +99,7 @@ impl<'a> Loader<'a> {
             Dimensions::Vec2 => 2,
             Dimensions::Vec3 => 3,
             Dimensions::Vec4 => 4,
-            // A 4 x 4 matrix has no padding between columns, whatever the component type; smaller
-            // ones may.
+            // A 4 x 4 matrix never has padding between columns; smaller matrices may.
             Dimensions::Mat4 => 16,
             _ => return Err(self.bad_accessor(accessor, what, "it holds small matrices")),
         };
@@ -110,7 +109,7 @@ impl<'a> Loader<'a> {
             .buffer_view
             .and_then(|view| self.root().buffer_views.get(view.value()))
             .and_then(|view| view.byte_stride)
-            // A stride of zero counts as not given.
+            // A stride of zero counts as missing.
             .filter(|stride| stride.0 > 0)
             .map_or(element, |stride| stride.0);
         if stride < element {
@@ -130,8 +129,8 @@ impl<'a> Loader<'a> {
         })
     }
 
-    /// The accessor's bytes, from its first element to the end of its last; `None` if it has no
-    /// buffer view, which means zeros.
+    /// The accessor's bytes, from its first element to the end of its last; `None` for an accessor
+    /// without a buffer view, which is all zeros.
     fn slice(
         &self,
         accessor: usize,
@@ -140,7 +139,7 @@ impl<'a> Loader<'a> {
     ) -> Result<Option<&'a [u8]>, SceneError> {
         let json = &self.root().accessors[accessor];
         let Some(view) = json.buffer_view else {
-            // Zeros take no space in the file, so it may claim no more of them than it has bytes.
+            // Zeros take no space in the file, so their number is limited by the file's bytes.
             let available: usize = self.buffers.iter().map(|buffer| buffer.len()).sum();
             if layout.count > available {
                 let reason = format!("it claims {} elements without data", layout.count);
@@ -191,7 +190,7 @@ impl<'a> Loader<'a> {
         })
     }
 
-    /// Replaces single elements (glTF 2.0, section 3.6.2.3).
+    /// Replaces the elements of a sparse accessor (glTF 2.0, section 3.6.2.3).
     fn apply_sparse(
         &self,
         accessor: usize,
@@ -234,8 +233,9 @@ struct Layout {
     normalized: bool,
     components: usize,
     component_size: usize,
-    /// Bytes of one element, and from one to the next.
+    /// Bytes of one element.
     element: usize,
+    /// Bytes from one element to the next.
     stride: usize,
     count: usize,
 }
@@ -250,7 +250,7 @@ impl Layout {
             (DataType::U16, &[a, b]) => (f32::from(u16::from_le_bytes([a, b])), 65_535.0),
             (_, bytes) => (unsigned_number(bytes) as f32, u32::MAX as f32),
         };
-        // The lowest signed value would be a little below -1.
+        // Limits the lowest signed value, which would be a little below -1.
         if self.normalized { (value / largest).max(-1.0) } else { value }
     }
 }
@@ -260,7 +260,7 @@ fn unsigned_number(bytes: &[u8]) -> u32 {
     bytes.iter().rev().fold(0, |number, &byte| number << 8 | u32::from(byte))
 }
 
-/// `bytes[offset..offset + length]`, unless that leaves the slice.
+/// `bytes[offset..offset + length]`; `None` if that is out of bounds.
 pub(super) fn sub_slice(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
     let begin = usize::try_from(offset).ok()?;
     let end = begin.checked_add(usize::try_from(length).ok()?)?;

@@ -11,13 +11,13 @@ use super::{Loader, name_or_index};
 use crate::SceneError;
 use crate::pose::{Animation, Channel, Interpolation, Local, Property, Track};
 
-/// Numbers that were already read, by accessor and numbers per element: many channels share their
+/// Numbers that were already read, by accessor and numbers per element: many channels have the same
 /// times.
 type Known = HashMap<(usize, usize), Arc<[f32]>>;
 
 impl Loader<'_> {
     /// Reads all animations into the rig. Channels of nodes outside the rig are dropped. Broken
-    /// channels are dropped with a warning: a mesh should not be lost because of its motion.
+    /// channels are dropped with a warning, so that the mesh is still shown.
     pub(super) fn load_animations(&mut self, tree: &Tree) {
         let mut known = Known::new();
         for (i, animation) in self.root().animations.iter().enumerate() {
@@ -87,7 +87,7 @@ impl Loader<'_> {
         Ok(Some(Channel { node, property, track }))
     }
 
-    /// The property that moves, and the number of its values' components. `None`, with a warning,
+    /// The animated property, and the number of components of its values. `None`, with a warning,
     /// if it is not supported.
     fn property(
         &mut self,
@@ -202,8 +202,8 @@ impl Loader<'_> {
         Ok(numbers)
     }
 
-    /// A moving node should have no matrix, but some exporters write one. It is split into
-    /// translation, rotation and scale.
+    /// Splits the matrix of an animated node into translation, rotation and scale: some exporters
+    /// write one, which glTF forbids.
     fn split_matrix(&mut self, node: usize) -> Result<(), SceneError> {
         let node = &mut self.rig.nodes[node];
         let Local::Matrix(matrix) = node.rest else { return Ok(()) };

@@ -1,5 +1,4 @@
-//! Attributes of a primitive other than its shape, and the memory that all of them together may
-//! take.
+//! Texture coordinates and colours of a primitive, and the memory of all its attributes.
 
 use glam::{Vec2, Vec4};
 use gltf::Semantic;
@@ -19,7 +18,7 @@ impl Loader<'_> {
         part: &str,
         primitive: &gltf::Primitive<'_>,
     ) -> Result<(), SceneError> {
-        // A wrong count is not a matter of the budget.
+        // A wrong count is reported when the accessor is checked, not as an exceeded budget.
         let positions = primitive.get(&Semantic::Positions).map(|a| (a.index(), "positions"));
         let indices = primitive.indices().map(|a| (a.index(), "indices"));
         for (accessor, what) in positions.into_iter().chain(indices) {
@@ -77,7 +76,7 @@ impl Loader<'_> {
         Ok(Vec::new())
     }
 
-    /// Colours of three or four components.
+    /// Reads colours of three or four components.
     pub(super) fn read_colors(&self, accessor: usize) -> Result<Vec<Vec4>, SceneError> {
         use gltf::json::accessor::Type;
         let what = "colours";

@@ -57,7 +57,7 @@ pub(super) fn parse<'a>(
     };
     // Some exporters write a byte order mark, which JSON forbids.
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-    // Others pad it with zeros.
+    // Other exporters pad it with zeros.
     let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     let json = &json[..end];
     let root = read_root(json, notes);
@@ -79,7 +79,8 @@ pub(super) fn parse<'a>(
     Ok(Parsed { document, buffers, json, about })
 }
 
-/// The JSON and the binary chunk. Lengths are checked against the bytes that exist.
+/// Splits a GLB into the JSON and the binary chunk. Lengths are checked against the bytes that
+/// exist.
 fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     let word = |at: usize| -> Result<u32, String> {
         let bytes = bytes.get(at..at + 4).ok_or("it ends in the middle of a header")?;
@@ -94,7 +95,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         let size = word(at)? as usize;
         let kind = word(at + 4)?;
         let begin = at + 8;
-        // In this order nothing overflows if usize has 32 bits.
+        // This form does not overflow if usize has 32 bits.
         if begin > length || size > length - begin {
             return Err(format!(
                 "a chunk of {size} bytes at byte {at} does not fit in its {length} bytes, so it was \
@@ -102,7 +103,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
             ));
         }
         at = begin + size.next_multiple_of(4).min(length - begin);
-        // Some programs omit the padding; the next chunk's name is then at another offset.
+        // Some programs omit the padding: the next chunk then begins immediately.
         let behind = begin + size;
         if at != behind && word(behind + 4) == Ok(BINARY_CHUNK) {
             at = behind;
@@ -115,7 +116,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         Some(_) => return Err("its first chunk is not JSON".to_owned()),
         None => return Err("it ends behind its header, so it was cut off".to_owned()),
     };
-    // Unknown chunks after the first are to be ignored.
+    // Unknown chunks after the first must be ignored.
     while let Some((data, kind)) = chunk()? {
         if kind == BINARY_CHUNK {
             return Ok((json, Some(data)));
@@ -170,7 +171,7 @@ fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, Stri
         // The specification requires bounds of positions, but nothing here needs them.
         let only_bounds =
             text.contains("POSITION") && (text.ends_with("min") || text.ends_with("max"));
-        // Accessors without a buffer view are all zeros, which the library does not support.
+        // An accessor without a buffer view, which the library does not support, is all zeros.
         let only_zeros = fault == Fault::Missing
             && text.starts_with("accessors[")
             && text.ends_with(".bufferView");
@@ -204,7 +205,7 @@ fn check_indices(root: &mut Root, notes: &mut Notes) -> Result<(), (String, Stri
         animation.channels.clear();
         animation.samplers.clear();
     }
-    // Checks that the library does not make.
+    // Checks that the library omits.
     for (i, camera) in root.cameras.iter().enumerate() {
         use gltf::json::camera::Type;
         let missing = match camera.type_ {
@@ -246,12 +247,11 @@ fn read_buffers<'a>(
         }
         let data = match (&buffer.uri, binary) {
             (Some(uri), _) => Cow::Owned(files::read_uri(file, &part, uri, reach)?),
-            // Only the first buffer can be the GLB's own.
+            // Only the first buffer can be the GLB's binary chunk.
             (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
             (None, _) => return Err(malformed("it has neither a URI nor a GLB chunk".to_owned())),
         };
-        // The declared length may include padding that is missing in the file: it is enough that
-        // views fit.
+        // The declared length may include padding that the file does not have; only views must fit.
         buffers.push(data);
     }
     Ok(buffers)

@@ -38,8 +38,8 @@ impl Loader<'_> {
                 )),
             }
         }
-        // Checked before anything is read: no more copies than there is data for, and no more than
-        // the scene may have.
+        // Checked before reading: the file must have the data of all copies, and the scene may
+        // still add that number of instances.
         let given = || [translations, rotations, scales].into_iter().flatten();
         for accessor in given() {
             self.check_room(accessor, "copies")?;

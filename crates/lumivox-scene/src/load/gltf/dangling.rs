@@ -1,5 +1,5 @@
-//! References to things that do not exist, where the scene can be shown without them: each is
-//! removed, with a warning.
+//! Removes references to missing things without which the scene can be shown, with a warning for
+//! each.
 
 use gltf::json::validation::{Error as Fault, Validate};
 use gltf::json::{Path, Root};
@@ -11,9 +11,9 @@ use super::{Notes, container, name_or_index};
 /// The name of the image-less texture that replaces textures that do not exist.
 pub(super) const NO_TEXTURE: &str = "(a texture that does not exist)";
 
-/// The document with such references removed; `None` if there are none.
+/// The document without such references; `None` if there are none.
 pub(super) fn mended(root: &Root, json: &[u8], notes: &mut Notes) -> Option<Vec<u8>> {
-    // Validation relies on these, and the file is refused for them later.
+    // Validation reads these indices unchecked; a file with invalid ones is refused later.
     container::check_position_indices(root).ok()?;
     let mut any = false;
     root.validate(root, Path::new, &mut |_, fault| any |= fault == Fault::IndexOutOfBounds);
@@ -81,7 +81,7 @@ fn name_of(value: &Value, kind: &str, index: usize) -> String {
     name_or_index(value["name"].as_str(), kind, index)
 }
 
-/// Removes an index that is not below `count`, and says so.
+/// Removes an index that is not below `count`, and returns a description of it.
 fn take(value: &mut Value, key: &str, count: usize) -> Option<String> {
     let index = value.get(key)?.as_u64().filter(|&index| index >= count as u64)?;
     value.as_object_mut()?.remove(key);
@@ -89,8 +89,8 @@ fn take(value: &mut Value, key: &str, count: usize) -> Option<String> {
     Some(format!("{kind} {index}, but there are only {count}"))
 }
 
-/// Redirects a material's references to textures that do not exist, those of its extensions
-/// included, to the index after the last texture.
+/// Redirects references to missing textures, in a material or its extensions, to the index after
+/// the last texture.
 fn redirect(value: &mut Value, count: usize, tell: &mut dyn FnMut(&str, String)) {
     for (key, value) in value.as_object_mut().into_iter().flatten() {
         let index = value["index"].as_u64().filter(|_| key.ends_with("Texture"));

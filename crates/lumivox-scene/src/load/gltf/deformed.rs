@@ -1,4 +1,4 @@
-//! Meshes that morph targets or bones deform. Each use of one is a mesh of its own.
+//! Meshes that morph targets or bones deform. Each use of such a primitive becomes a separate mesh.
 
 use glam::Vec3;
 use gltf::Semantic;
@@ -24,7 +24,7 @@ impl Loader<'_> {
         let name = mesh_name(mesh, primitive);
         let part = format!("mesh \"{name}\"");
         let Some(mut read) = self.read(primitive, name, material)? else { return Ok(None) };
-        // It is stored twice: as in the file, and deformed.
+        // The mesh is stored twice: as in the file, and deformed.
         let base_bytes = read.positions.len() * (12 + 12 + 16) + read.indices.len() * 4;
         self.spend_bytes(&part, base_bytes as u64)?;
         let sources = self.sources(&part, primitive, &read)?;
@@ -58,8 +58,8 @@ impl Loader<'_> {
         Ok(Some(index))
     }
 
-    /// For each of the mesh's vertices, its vertex in the file. Flat shading and tangents split
-    /// vertices, but keep the order of the triangles' corners.
+    /// Maps the mesh's vertices to the file's. Flat shading and tangents split vertices, but keep
+    /// the order of the triangles' corners.
     fn sources(
         &self,
         part: &str,
@@ -77,11 +77,10 @@ impl Loader<'_> {
         if corners.len() != mesh.indices.len() || corners.iter().any(|&c| c as usize >= count) {
             return Err(self.malformed(part, "its triangles cannot be deformed"));
         }
-        // Vertices that no triangle uses may map to any vertex that exists.
+        // Unused vertices may map to any existing vertex.
         let last = (count.max(1) - 1) as u32;
         let mut of: Vec<u32> = (0..mesh.positions.len() as u32).map(|i| i.min(last)).collect();
-        // Backwards, so that the first use counts: all corners of a dropped triangle are its first
-        // corner.
+        // Backwards, so that the first use wins: a dropped triangle repeats its first corner.
         for (&vertex, &corner) in mesh.indices.iter().zip(&corners).rev() {
             of[vertex as usize] = corner;
         }
@@ -112,8 +111,8 @@ impl Loader<'_> {
                 None => Ok(Vec::new()),
             };
             let positions = read(given.positions(), "positions")?;
-            // Flat meshes get their normals from the triangles, and their tangents are generated
-            // from these.
+            // The normals of flat meshes come from triangles, and their tangents from these
+            // normals.
             let normals = read(given.normals().filter(|_| !is_flat), "normals")?;
             let tangents =
                 read(given.tangents().filter(|_| keeps_tangents && !is_flat), "tangents")?;
@@ -181,7 +180,7 @@ impl Loader<'_> {
             let pairs = chosen.as_flattened().iter().zip(weights.as_flattened());
             for (i, (&joint, &weight)) in pairs.enumerate() {
                 let vertex = i / 4;
-                // Joints without weight may have any index.
+                // A joint with weight zero may have any index.
                 if weight == 0.0 {
                     continue;
                 }
@@ -208,10 +207,10 @@ impl Loader<'_> {
     }
 }
 
-/// Sets of four joints that are read.
+/// The most sets of four joints that are read.
 const MOST_SETS: usize = 4;
 
-/// The joints of the file's vertices, and the number for each.
+/// The joints of the file's vertices, and the number of joints of each.
 struct Bones {
     most: usize,
     counts: Vec<u8>,
@@ -236,8 +235,8 @@ impl Bones {
         self.counts[vertex] += 1;
     }
 
-    /// Scales a vertex's weights to a sum of one. Returns whether the sum was off by more than
-    /// rounding to eight bits explains.
+    /// Scales a vertex's weights to a sum of one. Returns `true` if the error was larger than
+    /// rounding to eight bits.
     fn repair(&mut self, vertex: usize) -> bool {
         let begin = vertex * self.most;
         let count = usize::from(self.counts[vertex]);
@@ -252,7 +251,7 @@ impl Bones {
             sum += f64::from(*weight);
         }
         if sum <= 0.0 {
-            // Most tools put such vertices on the first joint.
+            // Most tools attach vertices without weights to the first joint.
             weights.fill(0.0);
             self.counts[vertex] = 0;
             self.add(vertex, 0, 1.0);
@@ -261,21 +260,21 @@ impl Bones {
         for weight in weights {
             *weight = (f64::from(*weight) / sum) as f32;
         }
-        // Each weight is off by half a 255th at most.
+        // The rounding error of each weight is at most half a 255th.
         has_other || (sum - 1.0).abs() > 0.5 / 255.0 * count as f64 + 1e-3
     }
 }
 
-/// The file's vertices for a mesh's.
+/// The file's vertex of each vertex of a mesh.
 struct Sources {
     of: Vec<u32>,
-    /// How many the file has.
+    /// The number of the file's vertices.
     count: usize,
 }
 
 impl Sources {
-    /// Keeps the attributes that move at all. Lists are empty or have one entry per vertex of the
-    /// file.
+    /// Makes a target of the vertices that move. Lists are empty or have one entry per vertex of
+    /// the file.
     fn target(&self, positions: &[Vec3], normals: &[Vec3], tangents: &[Vec3]) -> Target {
         let at = |list: &[Vec3], i: u32| list.get(i as usize).copied().unwrap_or(Vec3::ZERO);
         let moves = |i: u32| {

@@ -53,7 +53,8 @@ const SILENT: &[&str] = &[
     "VRMC_vrm",
 ];
 
-/// Extensions without which the picture is nearly right, and what is then missing.
+/// Unsupported extensions without which the picture is nearly right, and the effect of their
+/// absence.
 const REPLACED: &[(&str, &str)] = &[
     ("CESIUM_primitive_outline", "its outlines are not drawn"),
     ("EXT_lights_ies", "its lamps shine as if they had no profile"),
@@ -72,7 +73,7 @@ const REPLACED: &[(&str, &str)] = &[
 ];
 
 /// Refuses a file that requires an unsupported extension which may change the picture, unless
-/// `ignore_required`, and warns of the rest.
+/// `ignore_required` is set; warns about other unsupported extensions.
 pub(super) fn check(
     file: &Path,
     root: &mut Root,

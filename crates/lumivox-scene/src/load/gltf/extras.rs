@@ -1,7 +1,7 @@
 //! Lumivox's own additions to glTF, under `extras.lumivox`; `save` writes them.
 //!
-//! Extras have no standard, and other programs keep them while they change the rest of a file. So
-//! values that do not fit are ignored with a warning, never refused.
+//! Other programs keep extras while they change the rest of a file. So values that do not fit are
+//! ignored with a warning, never refused.
 
 use std::sync::Arc;
 
@@ -38,20 +38,20 @@ pub(super) fn texture_transform(extras: &Extras) -> Option<Affine2> {
     exact_transform(&own(extras)?)
 }
 
-/// Reads the same from Lumivox's own part of the extras.
+/// Reads the exact matrix from Lumivox's part of the extras.
 pub(super) fn exact_transform(own: &Value) -> Option<Affine2> {
     numbers(own.get("matrix")?).map(|columns: [f32; 6]| Affine2::from_cols_array(&columns))
 }
 
-/// The additions of a node about its mesh.
+/// Lumivox's additions to a node, about its mesh.
 #[expect(clippy::struct_field_names, reason = "as the scene's instances call them")]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Marks {
-    /// Whether it is static; `None` if the file does not say.
+    /// Whether the mesh is static; `None` if the file does not say.
     pub(super) is_static: Option<bool>,
-    /// Whether it is left out of the voxels.
+    /// `true` if the mesh is not voxelized.
     pub(super) is_kept_out_of_voxels: bool,
-    /// Whether it belongs to the surroundings.
+    /// `true` if the mesh belongs to the surroundings.
     pub(super) is_backdrop: bool,
 }
 
@@ -66,7 +66,7 @@ impl Marks {
     }
 }
 
-/// Restores a light from the form that other programs can show.
+/// Restores the properties of a light that glTF cannot express.
 pub(super) fn restore_light(light: &mut Light, extras: &Extras) {
     let Some(own) = own(extras) else { return };
     light.radius_m = not_negative(&own["radiusM"]).unwrap_or(light.radius_m);
@@ -88,8 +88,7 @@ fn attenuation(value: &Value) -> Option<Attenuation> {
     fits.then_some(Attenuation { constant, linear, quadratic })
 }
 
-/// Restores a Phong surface from its metallic-roughness substitute; only the exponent is missing
-/// there.
+/// Restores a Phong surface from its metallic-roughness substitute and the exponent in the extras.
 pub(super) fn restore_phong(shading: Shading, extras: &Extras) -> Shading {
     let Shading::MetallicRoughness(m) = shading else { return shading };
     let Some(own) = own(extras) else { return shading };
@@ -118,7 +117,7 @@ pub(super) fn strengths(extras: &Extras) -> Option<Strengths> {
     })
 }
 
-/// A box whose size is above zero.
+/// Reads a box; `None` if its size is not above zero.
 fn grid_bounds(json: &Value) -> Option<Bounds> {
     let corner = |key: &str| numbers(&json[key]).map(Vec3::from_array);
     let bounds = Bounds { min: corner("min")?, max: corner("max")? };
@@ -161,7 +160,7 @@ impl Loader<'_> {
         fits.then_some(Environment { radiance, map, rotation_rad })
     }
 
-    /// Three floats a texel, in a buffer view of their own.
+    /// Reads a map of three floats per texel from a buffer view.
     fn environment_map(&self, json: &Value) -> Option<EnvironmentMap> {
         let word = |key: &str| json[key].as_u64().and_then(|n| u32::try_from(n).ok());
         let (width, height) = (word("width")?, word("height")?);

@@ -1,4 +1,4 @@
-//! The text of a document: its encoding, and the kind of a text that is not glTF.
+//! The text of a document: its encoding, and its kind if it is not glTF.
 
 use std::borrow::Cow;
 

@@ -38,13 +38,13 @@ impl Loader<'_> {
                 }
                 converted.kind = LightKind::Spot;
                 converted.outer_angle_rad = outer_rad;
-                // Files with a hard edge have both equal, up to rounding.
+                // For a hard edge, files have two equal angles, up to rounding.
                 converted.inner_angle_rad = inner_rad.min(outer_rad);
             }
         }
         converted.intensity = light.intensity().max(0.0);
         converted.color = Vec3::from_array(light.color());
-        // The extension requires a range above zero; zero commonly means unlimited.
+        // The extension forbids a range of zero, which commonly means unlimited.
         converted.range_m = light.range().filter(|&range| range != 0.0);
         // The rig sets its position and direction.
         converted.name = self.name_on(node, light.name(), "light", light.index());
@@ -81,8 +81,8 @@ impl Loader<'_> {
         }
     }
 
-    /// The name of a light or a camera: its own name unless another has it, else its node's. If the
-    /// name differs from the node's, the notes record both.
+    /// The name of a light or a camera: its own, or its node's if another light or camera has it.
+    /// If the name differs from the node's, the notes record both.
     fn name_on(
         &mut self,
         node: Option<&str>,
@@ -109,7 +109,7 @@ fn cone(given: [f32; 2]) -> ([f32; 2], Option<&'static str>) {
         return (given.map(f32::to_radians), Some("count as degrees"));
     }
     if given[1] <= 0.0 {
-        // The extension's default.
+        // The outer angle is the extension's default.
         return ([0.0, FRAC_PI_4], Some("leave no cone; it has one of 45 degrees"));
     }
     (given.map(|angle| angle.clamp(0.0, FRAC_PI_2)), Some("were limited to 0 to pi/2"))
@@ -125,6 +125,6 @@ fn convert_camera(camera: &gltf::Camera<'_>, site: &Site) -> Option<(Camera, Opt
         return None;
     }
     let mut camera = Camera { vertical_fov_rad: fov, near_m, ..Camera::default() };
-    // A scale of zero leaves no direction; an animation may give one.
+    // A node scaled to zero has no direction, unless an animation scales it.
     (place_camera(&mut camera, site.world_from_node) || site.moves).then_some((camera, in_degrees))
 }

@@ -3,15 +3,15 @@
 //!
 //! Files come from anywhere, so they are not trusted: sizes are checked against the bytes that
 //! exist before memory is allocated, indices before they are used, paths before they are followed.
-//! Only things that one of the file's scenes uses are loaded. One primitive becomes one
-//! [`Mesh`](crate::Mesh); if a transform mirrors, an instance gets a copy with reversed winding,
-//! and if bones or morph targets deform it, each use gets its own.
+//! Only things that the chosen scene uses are loaded. One primitive becomes one
+//! [`Mesh`](crate::Mesh), with a copy of reversed winding for transforms that mirror, and a copy
+//! for each use that bones or morph targets deform.
 //!
-//! The steps: `container` parses and checks, `compression` makes plain buffers of compressed ones,
-//! `extensions` refuses or warns. Then nodes go into a [`Rig`], the things on them are converted,
-//! and the rig places everything: at rest now, and at other times on request. `extras` restores
-//! Lumivox's own additions to glTF. Textures are only listed at first and made at the end, within
-//! the memory budget (`load::textures`).
+//! The steps: `container` parses and checks, `compression` decompresses buffers, `extensions`
+//! refuses or warns. Then nodes are added to a [`Rig`], the things on them are converted, and the
+//! rig places everything: at rest now, and at other times on request. `extras` restores Lumivox's
+//! own additions to glTF. Textures are only listed at first and made at the end, within the memory
+//! budget (`load::textures`).
 
 mod about;
 mod accessor;
@@ -56,7 +56,7 @@ use crate::{Rig, Scene, SceneError};
 /// times.
 struct Budget<'a> {
     geometry: GeometryBudget<'a>,
-    /// The instances left. Generous for real scenes.
+    /// The number of instances that may still be added.
     instances: usize,
     weights: usize,
 }
@@ -76,15 +76,15 @@ struct Loader<'a> {
     budget: Budget<'a>,
     /// Skins of the rig by glTF skin.
     skins: HashMap<usize, usize>,
-    /// The names of lights and cameras so far, by kind.
+    /// The names of the lights and cameras loaded so far, by kind.
     names: HashSet<(&'static str, String)>,
-    /// Meshes of the scene by primitive; `None` for skipped ones.
+    /// Meshes of the scene by primitive; `None` for skipped primitives.
     meshes: HashMap<sharing::MeshKey, Option<usize>>,
     /// The scene's material for each material of a primitive.
     materials: HashMap<material::Key, usize>,
     /// The scene's textures, which are made at the end.
     textures: Textures<'a>,
-    /// Listed images by glTF image, or why one is missing.
+    /// Listed images by glTF image, or the reason why one is missing.
     images: HashMap<usize, texture::Listed>,
 }
 
@@ -104,8 +104,8 @@ fn load_bytes(
     let reach = options.reach(&folders);
     let parsed = container::parse(file, bytes, reach, options, &mut notes)?;
     let name = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    // Images that cannot be decoded are only known at the end. Everything is then assembled again
-    // without them, as if they had been missing from the start.
+    // Images are only decoded at the end. If some cannot be decoded, everything is assembled again
+    // without them.
     let mut bad: HashMap<usize, texture::Listed> = HashMap::new();
     loop {
         let name = name.clone().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The node hierarchy: the places of meshes, lights and cameras.
+//! The node hierarchy, which places meshes, lights and cameras.
 
 use std::sync::Arc;
 
@@ -42,19 +42,20 @@ impl Tree {
 #[expect(clippy::struct_excessive_bools, reason = "what can be true of a node has no order")]
 pub(super) struct Site {
     pub(super) name: Arc<str>,
-    /// Its index in the rig.
+    /// The node's index in the rig.
     pub(super) node: usize,
-    /// Its transform at rest.
+    /// The node's transform at rest.
     pub(super) world_from_node: Mat4,
-    /// Whether its transform can keep handedness, and whether it can mirror.
+    /// Whether the node's transform can keep handedness, and whether it can mirror, over all
+    /// animations.
     pub(super) handedness: [bool; 2],
-    /// Whether an animation moves it.
+    /// `true` if an animation moves the node.
     pub(super) moves: bool,
-    /// Whether an animation moves its morph targets' weights.
+    /// `true` if an animation changes the weights of its morph targets.
     pub(super) weighs: bool,
-    /// Whether an animation moves a joint of its mesh's skin.
+    /// `true` if an animation moves a joint of its mesh's skin.
     pub(super) bends: bool,
-    /// Whether it, or a node above it, is switched off (`KHR_node_visibility`).
+    /// `true` if the node or a node above it is hidden (`KHR_node_visibility`).
     pub(super) is_hidden: bool,
 }
 
@@ -125,7 +126,7 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// The rig's nodes that are switched off, by themselves or by a node above.
+    /// Whether each of the rig's nodes is hidden, by itself or by a node above it.
     fn hidden(&self, nodes: &[gltf::Node<'_>], tree: &Tree) -> Vec<bool> {
         let mut hidden = Vec::with_capacity(tree.numbers.len());
         for (node, &number) in self.rig.nodes.iter().zip(&tree.numbers) {
@@ -165,14 +166,13 @@ impl Loader<'_> {
             self.rig.nodes.push(read);
             let first_child = open.len();
             open.extend(node.children().map(|child| (child.index(), Some(place))));
-            // The last one is visited first: reversed to keep the file's order.
+            // The last child would be visited first; reversing keeps the file's order.
             open[first_child..].reverse();
         }
         Ok(())
     }
 
-    /// Joints should belong to the scene whose meshes they move. Otherwise their transforms come
-    /// from their own tree.
+    /// Adds joints that are not nodes of the scene whose meshes they move, with their trees.
     fn walk_to_joints(
         &mut self,
         nodes: &[gltf::Node<'_>],
@@ -196,14 +196,14 @@ impl Loader<'_> {
             if tree.places[joint].is_some() {
                 continue;
             }
-            // Nodes in a ring have no root: then any of them will do.
+            // Nodes in a cycle have no root; any of them will do.
             let mut top = joint;
             for _ in 0..nodes.len() {
                 let Some(parent) = parents[top] else { break };
                 top = parent;
             }
             self.walk(nodes, top, tree, false)?;
-            // The scene uses only a part of this tree.
+            // The scene contains a part of this tree, but not the joint.
             if tree.places[joint].is_none() {
                 self.walk(nodes, joint, tree, false)?;
             }
@@ -257,7 +257,7 @@ impl Loader<'_> {
         if given.iter().any(|weight| !weight.is_finite()) {
             return Err(not_finite("a weight of its morph targets"));
         }
-        // Most are zero, and need no memory until an animation moves them.
+        // Most weights are zero, and take no memory until an animation changes them.
         let given = if given.iter().any(|&weight| weight != 0.0) { given } else { &[] };
         let count = given.len().min(node.mesh().map_or(0, |mesh| tree.targets[mesh.index()]));
         self.spend_weights(&name, count)?;

@@ -10,7 +10,7 @@ use crate::pose::{Interpolation, Local, Pose, Property, moving};
 
 impl Loader<'_> {
     /// Subtracts an origin from the nodes, if they are far from zero. The first `in_scene` nodes
-    /// are the scene's own.
+    /// belong to the scene.
     pub(super) fn take_origin(&mut self, tree: &Tree, in_scene: usize) {
         let Ok(rough) = Pose::rest(&self.rig.nodes).file_from_node(&self.rig.nodes) else { return };
         let far = |place: Vec3| f64::from(place.abs().max_element()) >= FAR;
@@ -115,8 +115,7 @@ impl Loader<'_> {
                         let exact = <[f64; 3]>::try_from(numbers(&json[key]));
                         exact.map_or(rough.as_dvec3(), DVec3::from_array)
                     };
-                    // A rotation that is rounded to f32 also shifts a map coordinate by half a
-                    // metre.
+                    // A rotation rounded to f32 would also shift map coordinates by half a metre.
                     let turn = <[f64; 4]>::try_from(numbers(&json["rotation"])).ok();
                     let turn = turn.map(DQuat::from_array).filter(|turn| turn.length() > 0.0);
                     DMat4::from_scale_rotation_translation(
@@ -130,8 +129,8 @@ impl Loader<'_> {
         self.rig.nodes.iter().enumerate().map(local).collect()
     }
 
-    /// Subtracts the origin from nodes that are far, along with their descendants, and from other
-    /// nodes with anything on them. Returns whether keys of animations were far.
+    /// Subtracts the origin from far nodes, which moves their descendants, and from other nodes
+    /// with anything on them. Returns whether keys of animations were far.
     fn move_nodes(
         &mut self,
         tree: &Tree,
@@ -139,8 +138,8 @@ impl Loader<'_> {
         from_node: &[DMat4],
         origin: DVec3,
     ) -> bool {
-        // A child of an animated node cannot be moved by its rest transform: the animated node
-        // itself is moved.
+        // Animated nodes are moved themselves: moving a child's rest transform would rotate the
+        // shift.
         let moves = moving(&self.rig.nodes, &self.rig.animations);
         let mut have_far_keys = false;
         let mut has_moved = vec![false; from_node.len()];
@@ -187,7 +186,7 @@ impl Loader<'_> {
             let mut values = track.values.to_vec();
             were_far |= values.iter().any(|value| f64::from(value.abs()) >= FAR);
             for (index, value) in values.iter_mut().enumerate() {
-                // Tangents do not move.
+                // Tangents are differences, which do not change.
                 if !is_cubic || (index / 3) % 3 == 1 {
                     *value = (f64::from(*value) + by[index % 3]) as f32;
                 }

@@ -1,14 +1,14 @@
-//! Primitives that share one long list of vertices, as some exporters write them: one primitive for
-//! each material, each with the vertices of the whole model. Each becomes a mesh with only its own
-//! vertices.
+//! Primitives that share one long list of vertices: some exporters write a primitive per material,
+//! each with the vertices of the whole model. Each becomes a mesh with only the vertices that it
+//! uses.
 
 use crate::Mesh;
 
-/// A list counts as shared by several primitives if it has this many more vertices than the
-/// primitive has corners. Fewer are not worth the work.
+/// A list counts as shared if it has at least this many more vertices than the primitive has
+/// corners. Fewer are not worth dropping.
 const SPARE: u64 = 1024;
 
-/// The most of `given` vertices that a primitive with this number of corners keeps.
+/// The most of `given` vertices that a primitive with `corners` corners keeps.
 pub(super) fn kept(given: u64, corners: u64) -> u64 {
     if is_shared(given, corners) { corners } else { given }
 }

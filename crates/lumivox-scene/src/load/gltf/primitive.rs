@@ -88,7 +88,7 @@ impl Loader<'_> {
             Some(normals) => Some(self.read_floats::<3>(normals, "normals")?),
             None => None,
         };
-        // Tangents without normals are to be ignored (glTF 2.0, section 3.7.2.1).
+        // Tangents without normals must be ignored (glTF 2.0, section 3.7.2.1).
         let mut tangents = match accessor(Semantic::Tangents) {
             Some(tangents) if normals.is_some() => {
                 Some(self.read_floats::<4>(tangents, "tangents")?)
@@ -165,14 +165,14 @@ pub(super) fn mesh_name(mesh: &gltf::Mesh<'_>, primitive: &gltf::Primitive<'_>) 
     name
 }
 
-/// A list of triangles from a list, strip or fan (glTF 2.0, section 3.7.2.1). Surplus vertices are
-/// dropped.
+/// Converts a list, strip or fan to a list of triangles (glTF 2.0, section 3.7.2.1). Surplus
+/// vertices are dropped.
 pub(super) fn to_triangles(mode: Mode, indices: &[u32]) -> Vec<u32> {
     match mode {
         Mode::TriangleStrip => indices
             .windows(3)
             .enumerate()
-            // Every second triangle of a strip runs the other way.
+            // Every second triangle of a strip has the opposite winding.
             .flat_map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] })
             .collect(),
         Mode::TriangleFan => match indices {
@@ -199,7 +199,7 @@ fn make_flat(mesh: &mut Mesh) {
     mesh.normals = normals::flat(&mesh.positions);
 }
 
-/// Takes the file's tangents if they have a direction.
+/// Uses the file's tangents that have a direction.
 fn use_tangents(mesh: &mut Mesh, given: &[[f32; 4]]) {
     for (tangent, given) in mesh.tangents.iter_mut().zip(given) {
         let given = Vec4::from_array(*given);

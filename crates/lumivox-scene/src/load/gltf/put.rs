@@ -1,5 +1,5 @@
-//! Meshes on nodes: one mesh can be on many nodes, mirrored or not, many times on one node, or be
-//! deformed by each in its own way.
+//! Places meshes on nodes: one mesh can be on many nodes, mirrored or not, many times on one node,
+//! or deformed differently by each.
 
 use glam::Mat4;
 use gltf::Semantic;
@@ -23,7 +23,7 @@ impl Loader<'_> {
         let is_skinned = |primitive: &gltf::Primitive<'_>| {
             node.skin().is_some() && primitive.get(&Semantic::Joints(0)).is_some()
         };
-        // Joints place the vertices that they move, whatever the node's own scale.
+        // Joints place the vertices that they move, even if the node is scaled to zero.
         let is_nothing = !site.moves && invertible(site.world_from_node, false).is_none();
         if is_nothing && !mesh.primitives().any(|primitive| is_skinned(&primitive)) {
             self.notes
@@ -68,7 +68,7 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Places a skinned mesh, which only its joints do (glTF 2.0, section 3.7.3.3).
+    /// Adds a skinned mesh, which only its joints place (glTF 2.0, section 3.7.3.3).
     fn put_skinned(
         &mut self,
         mesh: &gltf::Mesh<'_>,
@@ -104,7 +104,7 @@ impl Loader<'_> {
         let rest = &self.rig.nodes[site.node].weights;
         let is_morphed = primitive.morph_targets().len() > 0
             && (site.weighs || rest.iter().any(|&weight| weight != 0.0));
-        // Mirrored and not; loaded when first needed.
+        // The mesh without and with reversed winding, loaded when first needed.
         let mut sides: [Option<Option<usize>>; 2] = [None; 2];
         let one = [None];
         let many: Vec<Option<Mat4>>;

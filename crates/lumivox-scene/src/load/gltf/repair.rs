@@ -1,4 +1,4 @@
-//! JSON that follows the specification, but that the JSON library refuses.
+//! Repairs JSON that the JSON library would refuse.
 
 use std::borrow::Cow;
 
@@ -102,7 +102,7 @@ fn reset_unknown<T: Default + PartialEq>(value: &mut Checked<T>) -> bool {
     is_unknown
 }
 
-/// The JSON in a form that the library accepts, if there is something to repair.
+/// The JSON in a form that the library accepts; `None` if there is nothing to repair.
 fn repaired(json: &[u8], notes: &mut Notes) -> Option<Vec<u8>> {
     let finite = replace_numbers(json);
     let mut document: Value = serde_json::from_slice(&finite).ok()?;
@@ -115,7 +115,7 @@ fn repaired(json: &[u8], notes: &mut Notes) -> Option<Vec<u8>> {
         make_whole(&mut document),
         name_nodes(&mut document),
         drop_pointers(&mut document, notes),
-        // The animations that are left.
+        // After `drop_pointers`, which mends some animations.
         empty_animations(&mut document, notes),
     ];
     are_repaired.contains(&true).then(|| serde_json::to_vec(&document).ok())?
@@ -139,9 +139,9 @@ fn replace_numbers(json: &[u8]) -> Vec<u8> {
     finite
 }
 
-/// Writes whole numbers as integers: some programs write them all as floats, indices included.
+/// Writes whole numbers as integers: some programs write all numbers as floats, even indices.
 fn make_whole(value: &mut Value) -> bool {
-    // Larger floats are not exact.
+    // Floats above this are not exact integers.
     const MOST: f64 = (1_u64 << 53) as f64;
     match value {
         Value::Array(list) => list.iter_mut().fold(false, |any, value| make_whole(value) | any),
@@ -154,7 +154,7 @@ fn make_whole(value: &mut Value) -> bool {
     }
 }
 
-/// A scene need not name nodes (glTF 2.0, section 5.27).
+/// Adds missing lists of nodes to scenes: they are optional (glTF 2.0, section 5.27).
 fn name_nodes(document: &mut Value) -> bool {
     let mut is_repaired = false;
     for scene in list_mut(document, "scenes").iter_mut().filter_map(Value::as_object_mut) {
@@ -193,7 +193,7 @@ fn empty_animations(document: &mut Value, notes: &mut Notes) -> bool {
         let Err(error) = read else { continue };
         let name = animation.get("name").and_then(Value::as_str).map(str::to_owned);
         let shown = name_or_index(name.as_deref(), "animation", index);
-        // The position in the error refers to another text.
+        // The position in the error refers to the reserialized text.
         let reason = error.to_string();
         let reason = reason.split(" at line ").next().unwrap_or_default();
         notes.warn(format!("the animation \"{shown}\" is malformed and was left out: {reason}"));

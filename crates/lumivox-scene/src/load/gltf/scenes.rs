@@ -8,8 +8,8 @@ use crate::load::files::shorten;
 const MOST_LISTED: usize = 20;
 
 impl<'a> Loader<'a> {
-    /// The root nodes of the scene of this name or number. Without one: those of the file's default
-    /// scene, or else of the first. A file without scenes shows all root nodes.
+    /// The root nodes of the scene `wanted` (a name or a number); by default of the file's default
+    /// scene, else of the first. Without scenes, all root nodes.
     pub(super) fn roots(&mut self, wanted: Option<&str>) -> Result<Vec<usize>, SceneError> {
         let document = self.document;
         let scene = match wanted {
@@ -36,7 +36,7 @@ impl<'a> Loader<'a> {
             let mut open = if is_below[root] { vec![] } else { vec![root] };
             while let Some(node) = open.pop() {
                 for child in nodes[node].children.iter().flatten().map(gltf::json::Index::value) {
-                    // A root below itself is a fault, which the traversal of the nodes reports.
+                    // The traversal of the nodes reports a root that is below itself.
                     if child != root && !std::mem::replace(&mut is_below[child], true) {
                         open.push(child);
                     }
@@ -77,7 +77,7 @@ fn number_and_name(scene: &gltf::Scene<'_>) -> String {
     }
 }
 
-/// The error of a scene without triangles, with the scenes of the file that have meshes.
+/// Adds the file's scenes that have meshes to the error of a scene without triangles.
 pub(super) fn with_others(error: SceneError, document: &gltf::Document) -> SceneError {
     let SceneError::NoTriangles { file, reason } = error else { return error };
     let has_mesh = |scene: &gltf::Scene<'_>| {

@@ -1,13 +1,14 @@
 //! Primitives that share a mesh.
 //!
 //! glTF ties a primitive to one material, so a shape in several materials is several primitives
-//! over the same accessors. A scene's mesh has no material: it is read once for all of them.
+//! over the same accessors. A [`Mesh`](crate::Mesh) has no material, so it is read once for all of
+//! them.
 
 use gltf::Semantic;
 
 use super::Loader;
 
-/// Everything that a mesh depends on.
+/// All inputs of a mesh.
 #[derive(PartialEq, Eq, Hash)]
 pub(super) struct MeshKey {
     name: String,
@@ -19,8 +20,8 @@ pub(super) struct MeshKey {
     mirrored: bool,
     /// Whether the material uses the second texture coordinates.
     needs_second_uvs: bool,
-    /// The input of computed tangents, if they are computed: the normal texture's coordinate set
-    /// and transform (floats by their bits).
+    /// The input of computed tangents: the normal texture's coordinate set and transform (floats by
+    /// their bits). `None` if tangents are not computed.
     tangents: Option<(u32, [u32; 6])>,
 }
 

@@ -1,10 +1,10 @@
-//! Textures: the image, its place on the surface, and its sampling.
+//! Textures: the image, its mapping to the surface, and its sampling.
 //!
 //! If a texture names images both by an extension and by the core format, the extension's is tried
-//! first, and the other is used if the first cannot be read. A missing or broken image does not
-//! stop the scene: a colour is replaced by a board of magenta and black, anything else by no
-//! texture, both with a warning. Occlusion textures are not read: occlusion is computed here, and
-//! theirs would count twice.
+//! first, and the other is used if the first cannot be read. A scene with a missing or broken image
+//! is still loaded, with a warning: a colour is replaced by a board of magenta and black; other
+//! textures are dropped. Occlusion textures are not read: renderers compute occlusion, which would
+//! count twice.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -19,7 +19,7 @@ use crate::load::image::{Encoding, Fault, Source};
 use crate::load::textures::{ImageId, Mix, Recipe};
 use crate::{Filter, Sampler, SceneError, TextureRef, Wrap};
 
-/// Extensions that name an image in a format beyond the core's, the preferred ones first.
+/// Extensions that name an image in a format beyond the core's, in order of preference.
 const IMAGE_EXTENSIONS: [&str; 2] = ["KHR_texture_basisu", "EXT_texture_webp"];
 
 /// A material's reference to one of its textures.
@@ -65,7 +65,7 @@ fn uv_transform(offset: [f32; 2], rotation_rad: f32, scale: [f32; 2]) -> Affine2
     )
 }
 
-/// The texture transform from JSON that the glTF library does not read, with the coordinate set.
+/// The coordinate set and texture transform of JSON that the glTF library does not read.
 fn json_transform(value: Option<&Value>, set: u32) -> (u32, Affine2) {
     let Some(value) = value else { return (set, Affine2::IDENTITY) };
     let pair = |key: &str, default: [f32; 2]| match value[key].as_array().map(Vec::as_slice) {
@@ -90,14 +90,13 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// Whether both have the same coordinates on the mesh and the same sampling, so that one image
-    /// can hold both.
+    /// Whether both have the same coordinates and sampling, so that one image can hold both.
     pub(super) fn matches(&self, other: &Self) -> bool {
         Self { image: other.image, ..*self } == *other
     }
 }
 
-/// An image, or why it is missing.
+/// An image, or the reason why it is missing.
 pub(super) type Listed = Result<ImageId, String>;
 
 impl<'a> Loader<'a> {
@@ -173,7 +172,7 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// A data or colour texture, or none if its image is missing.
+    /// A data or colour texture; `None` if its image is missing.
     pub(super) fn plain_texture(
         &mut self,
         wanted: Option<TextureUse>,
@@ -201,8 +200,8 @@ impl<'a> Loader<'a> {
         TextureRef::new(self.textures.texture(Recipe::Missing, Encoding::Color, sampler))
     }
 
-    /// One texture that replaces two of a material; each names its channels of the result. Channels
-    /// that neither uses are 1.
+    /// Combines two textures of a material into one. Each has its channels of the result; unused
+    /// channels are 1.
     pub(super) fn pair(
         &mut self,
         material: &str,
@@ -272,7 +271,7 @@ impl<'a> Loader<'a> {
         }
         self.notes.warn(match reasons.pop() {
             Some(reason) => format!("{reason}; a stand-in is shown"),
-            // The material has already warned about it.
+            // A warning about the material was already given.
             None if json.name() == Some(dangling::NO_TEXTURE) => return Ok(None),
             None => {
                 format!("texture {texture} names no image of a supported format and was ignored")
@@ -281,7 +280,7 @@ impl<'a> Loader<'a> {
         Ok(None)
     }
 
-    /// Lists an image once, or returns why it cannot be read.
+    /// Lists an image once, or returns the reason why it cannot be read.
     fn list_image(&mut self, index: usize) -> Result<Listed, SceneError> {
         if let Some(known) = self.images.get(&index) {
             return Ok(known.clone());
@@ -299,7 +298,7 @@ impl<'a> Loader<'a> {
         Ok(listed)
     }
 
-    /// The source of an image's bytes, or why there is none.
+    /// The source of an image's bytes, or the reason why there is none.
     fn image_source(&self, json: &gltf::json::Image, name: &str) -> Result<Source<'a>, String> {
         let part = format!("image \"{name}\"");
         if let Some(view) = json.buffer_view {
@@ -323,7 +322,7 @@ impl<'a> Loader<'a> {
     }
 }
 
-/// The image's name, or that of its file, which a user can find.
+/// The image's name, or its file's name.
 fn image_name(json: &gltf::json::Image, index: usize) -> String {
     let file_name = json.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
     name_or_index(json.name.as_deref().or(file_name), "image", index)
@@ -339,7 +338,7 @@ fn told(name: &str, fault: &Fault) -> String {
     }
 }
 
-/// The document's images that turned out not to be decodable.
+/// The document's images that cannot be decoded.
 pub(super) fn unlisted(
     listed: &HashMap<usize, Listed>,
     faults: &[(ImageId, Fault)],
@@ -367,7 +366,7 @@ fn convert_sampler(sampler: &gltf::texture::Sampler<'_>) -> Sampler {
             Some(MagFilter::Nearest) => Filter::Nearest,
             Some(MagFilter::Linear) | None => Filter::Linear,
         },
-        // Only the filter within a mip level counts, not the one between levels.
+        // The filter between mip levels is ignored.
         minify: match sampler.min_filter() {
             Some(
                 MinFilter::Nearest
@@ -385,7 +384,7 @@ mod tests {
 
     #[test]
     fn a_rotation_is_counter_clockwise_on_the_image() {
-        // The extension's own example: the lower left quadrant, turned by a quarter.
+        // The extension's own example: the lower left quadrant, rotated by 90 degrees.
         let quarter = std::f32::consts::FRAC_PI_2;
         let transform = uv_transform([0.0, 1.0], quarter, [0.5, 0.5]);
         for (uv, expected) in [

@@ -1,4 +1,4 @@
-//! Versions of glTF other than 2.0, distinguished from broken files.
+//! Distinguishes other versions of glTF from broken files.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ pub(super) fn of_document(json: &[u8], root: Option<&Root>) -> Option<String> {
     match &document["asset"]["version"] {
         Value::String(version) if is_other(version) => Some(shorten(version)),
         Value::Number(version) if is_other(&version.to_string()) => Some(version.to_string()),
-        // Version 1.0 identified things by keys, and its files may omit their version.
+        // glTF 1.0 has objects where 2.0 has arrays, and its files may omit the version.
         Value::Null if document["meshes"].is_object() || document["nodes"].is_object() => {
             Some("1.0".to_owned())
         }

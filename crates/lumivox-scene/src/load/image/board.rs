@@ -1,4 +1,4 @@
-//! The stand-in for an image that is missing.
+//! The stand-in for a missing image.
 
 use super::Pixels;
 use crate::{Filter, Sampler, Texture};
@@ -16,7 +16,7 @@ pub(in crate::load) fn board() -> Pixels {
     Pixels { width: BOARD_EDGE, height: BOARD_EDGE, rgba8 }
 }
 
-/// A texture with these texels.
+/// A texture with the texels of [`board`].
 pub(in crate::load) fn checker(name: &str) -> Texture {
     let Pixels { width, height, rgba8 } = board();
     let sampler =

@@ -2,8 +2,8 @@
 //!
 //! Only the finest level of one face and layer is read. Basis Universal (ETC1S, UASTC) and ASTC are
 //! decoded by `basisu`, the older block formats by `texture2ddecoder`; both were chosen for their
-//! behaviour with broken files. If a decoder does not check the container carefully, it gets one
-//! made here from checked data.
+//! behaviour with broken files. A decoder that does not check the container carefully gets a new
+//! container of checked data.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -15,8 +15,7 @@ use super::Pixels;
 
 /// Bytes of the header.
 const HEADER_BYTES: usize = Header::LENGTH;
-/// The largest decoding window: `zstd`'s decoder buffers as much decoded data as the file asks for,
-/// up to this.
+/// The largest decoding window: `zstd`'s decoder buffers as much as the file asks for, up to this.
 const LARGEST_WINDOW_BYTES: u64 = 128 << 20;
 
 pub(super) fn is_ktx2(start: &[u8]) -> bool {
@@ -78,7 +77,7 @@ type BlockDecoder = fn(&[u8], usize, usize, &mut [u32]) -> Result<(), &'static s
 
 /// The decoding of a format.
 enum Kind {
-    /// Bytes, with the places of red, green, blue and alpha.
+    /// Bytes; the positions of red, green, blue and alpha in a texel.
     Channels([Option<usize>; 4]),
     /// Blocks of 4 x 4 texels.
     Blocks { bytes: usize, decode: BlockDecoder },
@@ -124,7 +123,7 @@ fn kind(header: &Header) -> Result<Kind, String> {
         Format::EAC_R11_UNORM_BLOCK => block(8, blocks::decode_eacr),
         Format::EAC_R11G11_UNORM_BLOCK => block(16, blocks::decode_eacrg),
         other => {
-            // 157 to 184 are ASTC of all block sizes, with 8 bits a channel.
+            // 157 to 184 are ASTC with all block sizes and 8 bits a channel.
             let number = other.value();
             if (157..=184).contains(&number) {
                 return Ok(Kind::Basis);
@@ -215,12 +214,12 @@ fn without_metadata(bytes: &[u8]) -> Vec<u8> {
     container
 }
 
-/// A container with only the finest level, uncompressed: for a compressed level `basisu` allocates
-/// as much memory as the file asks for.
+/// A container with only the finest level, uncompressed: `basisu` allocates as much memory for a
+/// compressed level as the file asks for.
 fn one_level(bytes: &[u8], header: &Header, level: &LevelIndex) -> Result<Vec<u8>, String> {
     let index = header.index;
     let description = slice(bytes, index.dfd_byte_offset.into(), index.dfd_byte_length.into())?;
-    // No format handled here needs more than a byte per texel, up to whole blocks.
+    // No format here needs more than a byte per texel of whole blocks.
     let blocks =
         u64::from(header.pixel_width.div_ceil(4)) * u64::from(header.pixel_height.div_ceil(4));
     if level.uncompressed_byte_length > blocks * 16 {

@@ -1,8 +1,8 @@
 //! Image files of any format: their size without decoding, and their texels.
 //!
 //! The first bytes decide the format, since declared types are often wrong; Targa, which has no
-//! signature, is recognized by the file's extension, or by a plausible header. KTX2 belongs to
-//! glTF's feature. A size for which the file is too short is refused before memory is allocated: a
+//! signature, is recognized by the file's extension, or by a plausible header. KTX2 needs the
+//! feature `gltf`. A size for which the file is too short is refused before memory is allocated: a
 //! few bytes can claim a gigabyte.
 
 mod board;
@@ -29,28 +29,28 @@ const LONGEST_EDGE: u32 = 16_384;
 const MOST_DECODER_BYTES: u64 = 3 << 30;
 /// Texels that any file may have, however short: 16 MiB as RGBA.
 const FREE_TEXELS: u64 = 4 << 20;
-/// Additional texels for each of its bytes. Deflate reaches 1032 bytes a byte (RFC 1951: 258 bytes
-/// from two bits), and a byte of a one-bit PNG holds eight texels; the other formats stay below
+/// Additional texels for each byte of the file. Deflate reaches 1032 bytes a byte (RFC 1951: 258
+/// bytes from two bits), and a byte of a one-bit PNG holds eight texels; other formats stay below
 /// that in real pictures.
 const MOST_TEXELS_A_BYTE: u64 = 16_384;
 
 /// The last chunk of a PNG file.
 const PNG_END: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
 
-/// The first bytes, enough to detect a format and its size; KTX2's header is the longest.
+/// The bytes that are read to detect a format and its size; KTX2's header is the longest.
 const START_BYTES: usize = 80;
 
-/// The place of an image's bytes.
+/// The source of an image's bytes.
 #[derive(Clone, Debug)]
 pub(super) enum Source<'a> {
     /// In memory.
     Memory(Cow<'a, [u8]>),
-    /// In a separate file, read only while they are decoded.
+    /// A separate file, only read for decoding.
     File(PathBuf),
 }
 
 impl Source<'_> {
-    /// All bytes.
+    /// Reads all bytes.
     fn read(&self) -> Result<Cow<'_, [u8]>, Fault> {
         match self {
             Self::Memory(bytes) => Ok(Cow::Borrowed(bytes)),
@@ -59,7 +59,7 @@ impl Source<'_> {
     }
 }
 
-/// The header's description of an image.
+/// The format and size of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Header {
     format: Format,
@@ -85,14 +85,14 @@ pub(super) struct Pixels {
     pub(super) rgba8: Vec<u8>,
 }
 
-/// Why an image cannot be used.
+/// The reason why an image cannot be used.
 #[derive(Debug)]
 pub(super) enum Fault {
     /// The file cannot be read.
     Unreadable(std::io::Error),
     /// The content is broken or of an unsupported kind: the reason and the remedy.
     Bad(String, &'static str),
-    /// It is something else than an image: its kind and the remedy.
+    /// The content is not an image: its kind and the remedy.
     OtherKind(&'static str),
 }
 
@@ -150,7 +150,7 @@ pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Faul
         Format::Plain(format) => {
             let mut image = reader(Cursor::new(bytes.as_ref()), format).decode();
             if image.is_err() && format == ImageFormat::Png {
-                // All texels may be present, and only the end missing.
+                // Perhaps only the last chunk is missing, and all texels are present.
                 let bytes = [bytes.as_ref(), PNG_END].concat();
                 image = reader(Cursor::new(bytes), format).decode().or(image);
             }
@@ -158,7 +158,7 @@ pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Faul
             Pixels { width: image.width(), height: image.height(), rgba8: image.into_raw() }
         }
     };
-    // The budget was computed for the size in the header; a file may have changed since.
+    // The budget was computed for the header's size; the file may have changed since.
     if (pixels.width, pixels.height) != (header.width, header.height) {
         let reason = "its size changed while it was read".to_owned();
         return Err(Fault::Bad(reason, "open the scene again"));
@@ -166,13 +166,13 @@ pub(super) fn decode(source: &Source<'_>, header: Header) -> Result<Pixels, Faul
     Ok(pixels)
 }
 
-/// Decodes the bytes of a file of this name.
+/// Decodes the bytes of the file at `path`.
 pub(super) fn decode_file(bytes: &[u8], path: &Path) -> Result<Pixels, Fault> {
     let header = header_of(Cursor::new(bytes), bytes.len() as u64, Some(path))?;
     decode(&Source::Memory(Cow::Borrowed(bytes)), header)
 }
 
-/// The fault of a file that is broken or of an unsupported kind: another format helps in both
+/// The fault of a KTX2 file that is broken or of an unsupported kind; another format helps in both
 /// cases.
 #[cfg(feature = "gltf")]
 fn of_ktx2(reason: String) -> Fault {
@@ -235,7 +235,7 @@ fn plain_format(start: &[u8], path: Option<&Path>) -> Result<ImageFormat, Fault>
     Err(Fault::Bad(reason, OF_ANOTHER_KIND))
 }
 
-/// Whether the bytes begin like Targa: a colour map or not, the kind of texels, and their bits.
+/// Whether the bytes begin with a plausible header of Targa: colour map, kind of texels, and bits.
 fn has_targa_header(start: &[u8]) -> bool {
     let kind = start.get(1).zip(start.get(2));
     matches!(kind, Some((0, 2 | 3 | 10 | 11) | (1, 1 | 9)))
@@ -288,7 +288,7 @@ mod tests {
 
     #[test]
     fn a_size_that_the_file_cannot_hold_is_refused_before_it_is_decoded() {
-        // Only the header of a PNG of 16384 x 16384 texels, with a right checksum.
+        // Only the header of a PNG of 16384 x 16384 texels, with a correct checksum.
         let large = image::GrayImage::new(16_384, 1);
         let mut bytes = encode(&large.into(), ImageFormat::Png);
         bytes[20..24].copy_from_slice(&16_384_u32.to_be_bytes());
@@ -309,7 +309,7 @@ mod tests {
             (&b""[..], BROKEN),
             (b"hello", OF_ANOTHER_KIND),
             (b"GIF89a no picture", OF_ANOTHER_KIND),
-            // It is a PNG: saving it as a PNG is not the remedy.
+            // Saving it as a PNG is no remedy for a broken PNG.
             (b"\x89PNG\r\n\x1a\n", BROKEN),
         ] {
             let fault = header(&memory(bytes)).unwrap_err().to_string();

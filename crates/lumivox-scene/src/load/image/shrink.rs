@@ -17,12 +17,12 @@ pub(in crate::load) enum Encoding {
     Data,
 }
 
-/// A length after this many halvings.
+/// A length after `times` halvings.
 pub(in crate::load) fn halved(length: u32, times: u32) -> u32 {
     length.checked_shr(times).unwrap_or(0).max(1)
 }
 
-/// The image with both edges halved this many times.
+/// Halves both edges of an image `times` times.
 pub(in crate::load) fn shrink(pixels: Pixels, times: u32, encoding: Encoding) -> Pixels {
     if times == 0 {
         return pixels;
@@ -33,7 +33,7 @@ pub(in crate::load) fn shrink(pixels: Pixels, times: u32, encoding: Encoding) ->
     let mut rgba8 = Vec::with_capacity(width as usize * height as usize * 4);
     for row in &rows {
         for column in &columns {
-            // Colour weighted by alpha, plain colour, alpha, weight.
+            // Sums of colour weighted by alpha, colour, alpha, and weight.
             let (mut seen, mut all, mut alpha, mut weight) = ([0.0; 3], [0.0; 3], 0.0, 0.0);
             for (y, wy) in row.iter() {
                 let begin = (y * pixels.width as usize + column.first) * 4;
@@ -81,7 +81,7 @@ impl Cover {
 fn covers(from: u32, to: u32) -> Vec<Cover> {
     let (from, to) = (u64::from(from), u64::from(to));
     let cover = |i: u64| {
-        // In units of 1 / `to` of a texel, where all numbers are whole.
+        // In units of 1 / `to` of a texel, all numbers are integers.
         let (begin, end) = (i * from, (i + 1) * from);
         let (first, last) = (begin / to, end.div_ceil(to));
         let inside = |texel: u64| end.min((texel + 1) * to) - begin.max(texel * to);
@@ -105,7 +105,7 @@ mod tests {
     fn colours_are_averaged_linearly_and_data_directly() {
         let board =
             pixels(2, 2, &[[255, 255, 0, 255], [0, 0, 0, 255], [0, 0, 0, 255], [255, 255, 0, 255]]);
-        // Half the light is 188 in sRGB.
+        // Half the light has the sRGB code 188.
         let color = shrink(board.clone(), 1, Encoding::Color);
         assert_eq!(color, pixels(1, 1, &[[188, 188, 0, 255]]));
         assert_eq!(shrink(board.clone(), 1, Encoding::Data), pixels(1, 1, &[[128, 128, 0, 255]]));

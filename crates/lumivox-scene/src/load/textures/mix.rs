@@ -1,10 +1,10 @@
-//! One image made of two, for formats that spread channels over several images where a
+//! Combines two images, for formats that spread channels over several images where a
 //! [`Material`](crate::Material) has one.
 
 use crate::load::color::{linear_from_srgb, srgb_from_linear};
 use crate::load::image::Pixels;
 
-/// The way to combine the texels of one or two images. Factors are kept by their bits, so that
+/// The way to combine the texels of one or two images. Factors are compared by their bits, so that
 /// equal recipes can be found.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(in crate::load) enum Mix {
@@ -86,8 +86,7 @@ fn to_byte(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// The texel of `image` at the place of texel (x, y) of an image of the given size, interpolated
-/// between four neighbours if their centres differ.
+/// Samples `image` at the centre of texel (x, y) of an image of the given size, bilinearly.
 fn sample(image: &Pixels, x: u32, y: u32, width: u32, height: u32) -> [u8; 4] {
     let texel = |x: u32, y: u32| {
         let at = (y as usize * image.width as usize + x as usize) * 4;
@@ -106,8 +105,8 @@ fn sample(image: &Pixels, x: u32, y: u32, width: u32, height: u32) -> [u8; 4] {
     })
 }
 
-/// The two texels of an edge of `to` around the centre of texel `i` of an edge of `from`, and its
-/// place between them.
+/// The two texels of an edge of `to` texels around the centre of texel `i` of an edge of `from`
+/// texels, and the weight of the second.
 fn between(i: u32, from: u32, to: u32) -> (u32, u32, f32) {
     let at = (f64::from(i) + 0.5) * f64::from(to) / f64::from(from) - 0.5;
     let at = at.clamp(0.0, f64::from(to - 1));
@@ -126,7 +125,7 @@ mod tests {
     #[test]
     fn channels_are_taken_from_the_requested_images() {
         let mix = Mix::Channels([Some((0, 0)), Some((1, 1)), None, Some((1, 3))]);
-        // The images differ in size: the smaller one is enlarged.
+        // The smaller image is enlarged.
         let mixed = mix.mix(&[flat(2, [10, 20, 30, 40]), flat(4, [50, 60, 70, 80])], 4, 4);
         assert_eq!(mixed, flat(4, [10, 60, 255, 80]));
     }

@@ -1,9 +1,8 @@
-//! The textures of a scene, from the first mention to the texels.
+//! The textures of a scene, from materials' references to texels.
 //!
-//! While materials are read, textures are only listed, with their images and recipes. Only the
-//! sizes of the images are read then. At the end all sizes are known, so the loader can decide how
-//! far the textures must shrink to fit into the budget. Then they are made, several at a time, each
-//! shrunk before the next is begun.
+//! While materials are read, textures are only listed, with their images and recipes. Of the images
+//! only the sizes are read. When all sizes are known, the loader decides how far the textures must
+//! shrink to fit into the budget. Then they are decoded and shrunk, several at a time.
 
 mod mix;
 
@@ -19,12 +18,12 @@ use crate::{Sampler, SceneError, Texture};
 
 pub(super) use mix::Mix;
 
-/// The most bytes of textures that are made at once; a single one may take more.
+/// The most bytes of textures that are made at once; a single texture may take more.
 const BYTES_UNDER_WAY: u64 = 512 << 20;
 /// The most texels of all textures before they are shrunk: it would take minutes to decode more.
 const MOST_TEXELS: u64 = 1 << 35;
 
-/// A listed image.
+/// The index of a listed image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ImageId(usize);
 
@@ -37,7 +36,7 @@ pub(super) enum Recipe {
     Mixed {
         /// The one or two images that it is made of.
         images: Vec<ImageId>,
-        /// How.
+        /// The way to combine them.
         mix: Mix,
     },
     /// The stand-in for a missing image: a board of magenta and black.
@@ -62,7 +61,7 @@ struct Image<'a> {
     header: Header,
 }
 
-/// A recipe, and the textures made from it: the same texels with several samplers.
+/// A recipe, and its textures: the same texels with several samplers.
 struct Product {
     recipe: Recipe,
     encoding: Encoding,
@@ -80,13 +79,13 @@ impl Product {
         edge(self.width) * edge(self.height)
     }
 
-    /// Bytes of all its textures.
+    /// Bytes of all textures of the product.
     fn bytes(&self) -> u64 {
         self.texels() * 4 * self.textures.len() as u64
     }
 }
 
-/// Why textures were not made.
+/// The reason why textures were not made.
 pub(super) enum NotMade {
     /// Images that cannot be decoded, each with the reason; the scene can be shown without them.
     Images(Vec<(ImageId, Fault)>),
@@ -111,7 +110,8 @@ pub(super) struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
-    /// Lists an image, and reads its size. In messages, `part` says where it is named.
+    /// Lists an image, and reads its size. `part` is the part of the file that names it, for
+    /// messages.
     pub(super) fn image(
         &mut self,
         part: &str,
@@ -222,7 +222,7 @@ impl<'a> Textures<'a> {
     fn fit(&mut self, budget: u64, notes: &mut Notes) {
         let all: u64 = self.products.iter().map(Product::bytes).sum();
         let mut bytes = all;
-        // Ordered by size, and equal ones by their order in the scene: the same every time.
+        // Ordered by size, then by their order in the scene, so that the result is deterministic.
         let mut queue: std::collections::BinaryHeap<_> =
             self.products.iter().enumerate().map(|(i, p)| (p.texels(), usize::MAX - i)).collect();
         while bytes > budget {
@@ -259,7 +259,7 @@ impl<'a> Textures<'a> {
             let product = &self.products[end];
             let images = product.recipe.images().iter().map(|image| self.images[image.0].header);
             let decoded: u64 = images.map(|h| u64::from(h.width) * u64::from(h.height) * 4).sum();
-            // Decoders hold the file's own format beside the result.
+            // Decoders hold the image in the file's format and the result at once.
             bytes += decoded * 2 + product.texels() * 4;
             if end > begin && bytes > BYTES_UNDER_WAY {
                 break;

@@ -1,8 +1,8 @@
 //! `KHR_draco_mesh_compression` (Google, Khronos): a primitive's indices and attributes as one
 //! stream of the Draco library, decoded by `draco-core`.
 //!
-//! The accessors of the compressed attributes have no data of their own; they get the decoded data.
-//! Draco may split vertices, so the decoder returns their number.
+//! The accessors of the compressed attributes have no data; they get the decoded data. Draco may
+//! split vertices, so the decoder returns their number.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -59,7 +59,7 @@ pub(super) fn decompress(
                 fill(root, buffers, &decoded, accessor, id, &part, sink)?;
                 filled.insert(accessor, view);
             }
-            // Draco only has triangles, whatever the primitive was before.
+            // Draco only stores triangles, whatever mode the primitive names.
             root.meshes[mesh].primitives[index].mode = Checked::Valid(Mode::Triangles);
         }
     }
@@ -79,7 +79,7 @@ fn wanted(root: &Root, mesh: usize, index: usize, stream: &Value) -> Vec<(usize,
             wanted.push((accessor.value(), Some(id.as_u64().unwrap_or(u64::MAX))));
         }
     }
-    // The map's order differs from run to run.
+    // The order of the map differs between runs.
     wanted.sort_unstable();
     wanted
 }
@@ -182,7 +182,7 @@ fn fill(
     Ok(())
 }
 
-/// An attribute's bytes, point after point.
+/// An attribute's bytes, in the order of the points.
 fn points_of(attribute: &PointAttribute, points: usize, size: usize) -> Option<Vec<u8>> {
     let stride = usize::try_from(attribute.byte_stride()).ok()?;
     let data = attribute.buffer().data();

@@ -1,5 +1,5 @@
 //! `EXT_meshopt_compression` and `KHR_meshopt_compression` (Kapoulkine; Khronos): buffer views as
-//! streams of the meshoptimizer library, read by a decoder in safe Rust that gives the same bytes.
+//! streams of the meshoptimizer library, read by an equivalent decoder in safe Rust.
 
 use std::borrow::Cow;
 
@@ -11,10 +11,10 @@ use serde_json::Value;
 use super::{Buffers, MESHOPT, Sink, push_buffer};
 use crate::SceneError;
 
-/// Bytes that one byte of a stream can decode to: two bits can hold the same byte of 256 vertices
-/// (meshoptimizer, vertex codec version 1), and indices compress less.
+/// The most bytes that one byte of a stream decodes to: two bits can hold the same byte of 256
+/// vertices (meshoptimizer, vertex codec version 1), and indices compress less.
 const MOST_BYTES_A_BYTE: u64 = 1024;
-/// The size that even the shortest stream may decode to.
+/// The size to which even the shortest stream may decode.
 const FREE_BYTES: u64 = 1 << 20;
 
 /// Decompresses all views that are compressed.
@@ -87,7 +87,7 @@ fn decode_stream(
     (count, stride): (usize, usize),
     filter: &str,
 ) -> Result<Vec<u8>, String> {
-    // Its size was checked against the budget.
+    // The decoded size was already checked against the budget.
     let limits = Limits { max_bytes: usize::MAX, max_work: u64::MAX };
     let workspace = &mut Workspace::new(limits);
     let bytes = match (mode, stride) {
@@ -109,7 +109,7 @@ fn decode_stream(
     if mode != Some("ATTRIBUTES") {
         return Ok(bytes);
     }
-    // Inverts the filters that make numbers compress better.
+    // Inverts the filters that improve compression.
     let undone = match (filter, stride) {
         ("NONE", _) => Ok(()),
         ("OCTAHEDRAL", 4 | 8) => codec::decode_filter_oct(&mut bytes, count, stride, workspace),

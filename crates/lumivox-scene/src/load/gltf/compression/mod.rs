@@ -1,8 +1,8 @@
-//! Compressed geometry, put back into plain buffers before anything reads it.
+//! Decompression of geometry into plain buffers, before anything reads it.
 //!
-//! Each decoder appends its own buffer to the document and points views or accessors to it, so the
-//! rest of the loader does not handle compression. The sizes that a stream claims are checked
-//! against its length and against the budget before memory is allocated.
+//! Each decoder appends a buffer to the document and points views or accessors to it, so the rest
+//! of the loader does not handle compression. The sizes that a stream claims are checked against
+//! its length and against the budget before memory is allocated.
 
 mod draco;
 mod meshopt;
@@ -20,7 +20,7 @@ use crate::load::geometry::{GeometryBudget, size_text};
 /// one, may use more (Khronos).
 const MESHOPT: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 
-/// The bytes of a document's buffers; a GLB's own are part of the file's.
+/// The bytes of a document's buffers; those of a GLB's own buffer are a slice of the file.
 pub(super) type Buffers<'a> = Vec<Cow<'a, [u8]>>;
 
 /// Decompresses all compressed buffers and accessors; `budget` is the memory that they may take, in
@@ -36,8 +36,8 @@ pub(super) fn decompress(
     draco::decompress(root, buffers, &mut sink)
 }
 
-/// Whether no byte of a buffer is read because all of its views are compressed and stored
-/// elsewhere. The extension has a flag for such a fallback buffer, which not all programs write.
+/// Whether a buffer is never read, since all of its views are compressed and stored elsewhere. Not
+/// all programs write the extension's flag for such a fallback buffer.
 pub(super) fn is_stand_in(root: &Root, buffer: usize) -> bool {
     root.buffer_views.iter().all(|view| match meshopt::extension(view) {
         Some(stream) => stream["buffer"].as_u64() != Some(buffer as u64),
@@ -76,7 +76,7 @@ impl Sink<'_> {
     }
 }
 
-/// Appends bytes to the document as a buffer of their own.
+/// Appends bytes to the document as a new buffer.
 fn push_buffer(root: &mut Root, buffers: &mut Buffers<'_>, bytes: Vec<u8>) -> Index<Buffer> {
     root.buffers.push(Buffer {
         byte_length: (bytes.len() as u64).into(),

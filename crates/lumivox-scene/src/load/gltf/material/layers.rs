@@ -1,4 +1,4 @@
-//! Layers on the core's surface and changes of its reflection: specular colour, clearcoat, sheen,
+//! Extensions that add layers or change the reflection: specular colour, clearcoat, sheen,
 //! transmission. If an extension has two textures, they are combined into the single texture of the
 //! scene's material.
 
@@ -114,7 +114,7 @@ impl Loader<'_> {
         })
     }
 
-    /// A factor from 0 to 1 of an extension's JSON; 0 if it is left out.
+    /// Reads a factor from 0 to 1 from an extension's JSON; 0 if it is missing.
     fn unit_in(&mut self, extension: &Value, key: &str, material: &str) -> f32 {
         let value = extension[key].as_f64().unwrap_or(0.0) as f32;
         self.unit(value, material, key)

@@ -1,5 +1,5 @@
 //! Materials: the metallic-roughness core and the extensions that change its numbers. Layers and
-//! the specular-glossiness model have files of their own.
+//! the specular-glossiness model are in separate files.
 
 mod layers;
 mod spec_gloss;
@@ -18,9 +18,9 @@ use crate::{AlphaMode, Material, MetallicRoughness, SceneError, Shading, Unlit};
 pub(super) enum Key {
     /// One of the file's materials.
     Material(usize),
-    /// Only the colours of its vertices.
+    /// No material, but vertex colours.
     OnlyColors,
-    /// Nothing at all.
+    /// Neither a material nor vertex colours.
     Nothing,
 }
 
@@ -66,8 +66,8 @@ impl Loader<'_> {
             strengths: extras::strengths(material.extras()),
             ..Material::default()
         };
-        // An unlit material has no lighting data; its other values are for programs without the
-        // extension (`KHR_materials_unlit`).
+        // The other values of an unlit material are for programs without the extension
+        // (`KHR_materials_unlit`).
         if material.unlit() {
             return Ok(Material { shading: self.unlit(material, &name)?, name, ..plain });
         }
@@ -121,8 +121,8 @@ impl Loader<'_> {
         self.specular(shading, material, name)
     }
 
-    /// Indices below that of vacuum do not exist; 0 is the extension's way to say "all is reflected
-    /// at normal incidence" (`KHR_materials_ior`).
+    /// Raises indices of refraction below 1, except 0, which means a reflectance of 1 at normal
+    /// incidence (`KHR_materials_ior`).
     fn ior(&mut self, ior: Option<f32>, name: &str) -> f32 {
         match ior {
             None => 1.5,
@@ -146,7 +146,7 @@ impl Loader<'_> {
         let wanted = material.emissive_texture().as_ref().map(TextureUse::new);
         let is_textured = wanted.is_some();
         let texture = self.plain_texture(wanted, name, Encoding::Color)?;
-        // Without the emissive texture the whole surface would glow.
+        // Without its emissive texture, the whole surface would emit.
         if is_textured && texture.is_none() {
             return Ok((Vec3::ZERO, None));
         }
@@ -161,7 +161,7 @@ impl Loader<'_> {
         Vec4::from_array(all)
     }
 
-    /// A factor that the format limits to 0..1; some exporters exceed it.
+    /// Clamps a factor to 0..1, which some exporters exceed.
     fn unit(&mut self, value: f32, material: &str, what: &str) -> f32 {
         let clamped = value.clamp(0.0, 1.0);
         if value.is_finite() && !(0.0..=1.0).contains(&value) {

@@ -1,11 +1,11 @@
-//! `KHR_materials_pbrSpecularGlossiness`, the older model, in the terms of the newer one.
+//! Converts the older model, `KHR_materials_pbrSpecularGlossiness`, to the newer one.
 //!
 //! Its surface is a dielectric whose parts are independent: a diffuse colour, a reflectance at
-//! normal incidence for each of red, green and blue, and a glossiness. That is the core with no
-//! metal, an index of refraction of 0 (which leaves the reflectance to the specular colour), the
-//! unchanged specular colour, a roughness of 1 - glossiness, and a base colour from which the
-//! extension subtracts the reflected share: diffuse * (1 - max(specular)). If textures hold the
-//! numbers, new ones are made by the same formulas.
+//! normal incidence for each of red, green and blue, and a glossiness. That is metallic-roughness
+//! with no metal, an index of refraction of 0 (which leaves the reflectance to the specular
+//! colour), the unchanged specular colour, a roughness of 1 - glossiness, and a base colour from
+//! which the extension subtracts the reflected share: diffuse * (1 - max(specular)). Textures are
+//! converted by the same formulas.
 
 use glam::Vec3;
 
