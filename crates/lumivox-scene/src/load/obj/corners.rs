@@ -1,9 +1,9 @@
 //! The distinct corners of a file's polygons: position, texture coordinates, normal.
 //!
 //! Chains from each position to its corners need less memory than a hash map, and keep the file's
-//! order in memory: five million corners take 16 bytes each and a second.
+//! order in memory: five million corners take a second, and 16 bytes each.
 
-/// A corner of polygons, as indices of the vectors that were listed before.
+/// A corner of polygons, as indices into the file's vectors.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Corner {
     pub(super) position: u32,
@@ -25,7 +25,7 @@ impl Normal {
     pub(super) const FLAT: Self = Self(u32::MAX);
     const GROUP: u32 = 1 << 31;
 
-    /// A normal of the file. Indices that do not fit into 31 bits mean the normal of the face.
+    /// A normal of the file, by its index; the normal of the face if the index exceeds 31 bits.
     pub(super) fn given(number: u32) -> Self {
         if number < Self::GROUP { Self(number) } else { Self::FLAT }
     }
@@ -44,7 +44,7 @@ impl Normal {
     }
 }
 
-/// The table.
+/// The distinct corners.
 #[derive(Default)]
 pub(super) struct Corners {
     list: Vec<Corner>,
@@ -55,11 +55,11 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    /// Corners at one position that are compared before a new one is made: more than real meshes
-    /// have, and a bound on the cost of a hostile one.
+    /// The most corners at a position that are compared before a new one is added: more than in
+    /// real meshes, and a bound on the cost of hostile ones.
     const LONGEST_CHAIN: usize = 32;
 
-    /// The index of a corner; it is added if it is new.
+    /// Returns the index of a corner, which is added if it is new.
     pub(super) fn number(&mut self, corner: Corner) -> u32 {
         let place = corner.position as usize;
         if self.heads.len() <= place {
@@ -75,7 +75,7 @@ impl Corners {
         number
     }
 
-    /// The first corner in a position's chain that fits.
+    /// The index of the first corner in a position's chain that fits.
     pub(super) fn find(&self, position: u32, fits: impl Fn(&Corner) -> bool) -> Option<u32> {
         let mut number = self.heads[position as usize];
         for _ in 0..Self::LONGEST_CHAIN {

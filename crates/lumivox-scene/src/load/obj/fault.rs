@@ -11,12 +11,12 @@ pub(super) enum Fault {
         index: usize,
         count: usize,
     },
-    /// A face refers to something that may come later in the file.
+    /// A face refers to an index that may be defined later in the file.
     Later,
 }
 
 impl Fault {
-    /// The error, with the file and the line of the statement.
+    /// Converts to an error with the file and the line of the statement.
     pub(super) fn of_line(self, file: &Path, line: u64) -> SceneError {
         let file = file.to_owned();
         let reason = match self {

@@ -1,5 +1,5 @@
-//! Statements of MTL that name an image: options, then the file. Some programs write options behind
-//! the file, and some write options of their own.
+//! Statements of MTL that name an image: options, then the file. Some programs write options after
+//! the file, or nonstandard options.
 
 use glam::{Affine2, Vec2};
 
@@ -17,16 +17,16 @@ pub(super) struct Map {
     pub(super) offset: Vec2,
     /// `-bm`: the strength of bumps. Default: 1.
     pub(super) bump: f32,
-    /// `-clamp`: whether the image does not repeat. Default: no.
+    /// `-clamp`: `true` if the image does not repeat. Default: no.
     pub(super) clamp: bool,
-    /// `-imfchan`: the channel of an image that is used where one number is needed.
+    /// `-imfchan`: the channel of the image that is used if one number is needed.
     pub(super) channel: Channel,
 }
 
 /// The channel from which a single number is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) enum Channel {
-    /// Not given: luminance; for opacities alpha, if the image has any.
+    /// Not given: luminance; for opacities, alpha if the image has any.
     #[default]
     Unsaid,
     Red,
@@ -37,8 +37,8 @@ pub(super) enum Channel {
 }
 
 impl Map {
-    /// Reads the rest of the line after the keyword; also returns the ignored options. `None` if no
-    /// file is named. If it could be more than one name, the longest that `exists` counts.
+    /// Reads the line after the keyword; also returns the ignored options. `None` if no file is
+    /// named. If several names are possible, the longest one for which `exists` is true is used.
     pub(super) fn parse(
         rest: &[u8],
         exists: &dyn Fn(&[u8]) -> bool,
@@ -55,7 +55,7 @@ impl Map {
         let rest = map.options(rest, &mut ignored);
         let (before, name, behind) = name_in(rest, exists);
         map.file = name.to_vec();
-        // Each part gets a dummy name at its end, since a last number could otherwise be the name.
+        // Each part gets a dummy name at its end; otherwise a last number would count as the name.
         for others in [before, behind] {
             let line = [others, b" ."].concat();
             let mut left = map.options(&line, &mut ignored);
@@ -97,7 +97,7 @@ impl Map {
                 b"-t" | b"-mm" | b"-boost" | b"-texres" => {
                     let most = if option == b"-t" { 3 } else { 2 };
                     let changes = values(&mut after, most);
-                    // Exporters also write the defaults.
+                    // Exporters also write defaults, which need no warning.
                     let neutral = match option {
                         b"-t" => changes.iter().all(|&value| value == 0.0),
                         b"-mm" => changes == [0.0, 1.0],
@@ -118,7 +118,7 @@ impl Map {
                         ignored.push(readable(option));
                     }
                 }
-                // Not an option, but a name that begins like one.
+                // A name that begins with a hyphen.
                 _ => break,
             }
             rest = after;
@@ -138,7 +138,7 @@ impl Map {
         TextureRef { transform, ..TextureRef::new(texture) }
     }
 
-    /// Whether both have the same coordinates on a surface, so that one image can hold both.
+    /// Whether both have the same coordinates on a surface, so that one image can contain both.
     pub(super) fn lies_like(&self, other: &Self) -> bool {
         (self.scale, self.offset, self.clamp) == (other.scale, other.offset, other.clamp)
     }
@@ -151,11 +151,11 @@ impl Map {
     }
 }
 
-/// The most positions that are tried as the start of a name, and as its end.
+/// The most positions that are tried as the start of a name, and as the end.
 const MOST_TRIED: usize = 8;
 
-/// Splits the rest of a line at the name of the file: the longest that exists, else all up to the
-/// next option.
+/// Splits the rest of a line around the file's name: the longest that exists, else everything up to
+/// the next option.
 fn name_in<'t>(rest: &'t [u8], exists: &dyn Fn(&[u8]) -> bool) -> (&'t [u8], &'t [u8], &'t [u8]) {
     let begins = |at: usize| at == 0 || rest[at - 1].is_ascii_whitespace();
     let words: Vec<usize> =
@@ -193,7 +193,7 @@ fn values(rest: &mut &[u8], most: usize) -> Vec<f32> {
     let mut values = Vec::new();
     while values.len() < most {
         let (word, after) = keyword(rest);
-        // A file's name can be a number; something must be left for it.
+        // A file's name can be a number: the last word is always the name.
         let Some(value) = number(word).filter(|_| !after.is_empty()) else { break };
         values.push(value);
         *rest = after;
@@ -265,7 +265,7 @@ mod tests {
     fn scale_and_offset_are_those_of_the_images_lower_left_corner() {
         let (map, _) = parse(b"-s 2 4 -o 0.25 0.125 a.png").unwrap();
         let transform = map.reference(3).transform;
-        // In OBJ (0.5, 0.5) becomes (1.25, 2.125); both are turned upside down here.
+        // In OBJ (0.5, 0.5) becomes (1.25, 2.125); here v is inverted.
         let moved = transform.transform_point2(Vec2::new(0.5, 1.0 - 0.5));
         assert!((moved - Vec2::new(1.25, 1.0 - 2.125)).length() < 1e-6, "{moved}");
         assert_eq!(parse(b"a.png").unwrap().0.reference(3), TextureRef::new(3));

@@ -1,10 +1,10 @@
 //! Conversion of MTL's materials.
 //!
 //! With `Pr`, `Pm` or another key of physically-based materials the surface has metalness and
-//! roughness; otherwise it is Phong's, with `Ks` limited to the share that `Kd` leaves, so that no
-//! surface reflects more than it receives. `Ka` is only used if `Kd` is missing, since ambient
-//! light is computed. Colours are linear, as reflectivities ("the diffuse reflectivity using RGB
-//! values"). MTL has no unit of light: `Ke` 1 is 1 cd/m², like glTF's emissive factor.
+//! roughness; otherwise it is Phong's, with `Ks` limited to 1 - `Kd`, so that no surface reflects
+//! more than it receives. `Ka` is only used if `Kd` is missing, since renderers compute ambient
+//! light. Colours are linear, as reflectivities ("the diffuse reflectivity using RGB values"). MTL
+//! has no unit of light: `Ke` 1 is 1 cd/m², like glTF's emissive factor.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -23,24 +23,25 @@ use crate::{
     Unlit,
 };
 
-/// The diffuse reflectivity of materials without one: that of a missing material.
+/// The diffuse reflectivity of materials without `Kd`, as of missing materials.
 const NO_DIFFUSE: f32 = 0.5;
-/// The roughness of materials without one.
+/// The roughness of materials without `Pr`.
 const NO_ROUGHNESS: f32 = 0.5;
 
-/// Converts materials once each.
+/// Converts each material once.
 pub(super) struct Materials<'s, 'o> {
     file: &'s Path,
     reach: Reach<'s>,
     definitions: Library,
     textures: Textures<'s>,
     options: &'s mut LoadOptions<'o>,
-    /// Materials by name; unnamed ones by whether the vertices have colours.
+    /// Materials by name, and by whether the vertices have colours.
     known: HashMap<(Option<Vec<u8>>, bool), usize>,
-    /// The number of images so far, and of materials with a limited `Ks`.
+    /// The number of images so far.
     images: u64,
+    /// The number of materials with a limited `Ks`.
     limited: u64,
-    /// The number of opaque materials whose `illum` is one of glass.
+    /// The number of opaque materials whose `illum` is that of glass.
     opaque_glass: u64,
 }
 
@@ -57,8 +58,8 @@ impl<'s, 'o> Materials<'s, 'o> {
         Self { file, reach, definitions, textures, options, known, images, limited, opaque_glass }
     }
 
-    /// The scene's index of a material; `colored` says whether the vertices have colours, which are
-    /// then the only colours of a missing material.
+    /// The scene's index of a material. `colored`: the vertices have colours, which replace a
+    /// missing material.
     pub(super) fn get(
         &mut self,
         name: Option<&[u8]>,
@@ -224,7 +225,7 @@ impl Conversion<'_, '_, '_> {
             match (self.mtl.scalar(Scalar::Opacity), self.mtl.scalar(Scalar::Transparency)) {
                 (Some(opacity), _) => opacity,
                 (None, Some(1.0)) => {
-                    // Exporters do not write invisible surfaces; many mistook Tr for an opacity.
+                    // Exporters do not write invisible surfaces; many take Tr for an opacity.
                     self.warn("Tr 1 without d counts as opaque");
                     1.0
                 }
@@ -248,7 +249,7 @@ impl Conversion<'_, '_, '_> {
             Some(diffuse) => self.unit_color(diffuse, "Kd"),
             None if has_texture => Vec3::ONE,
             None => match self.mtl.ambient {
-                // Exporters write 0 and 1 for "unknown".
+                // Exporters write 0 or 1 for an unknown Ka.
                 Some(ambient) if ambient != Vec3::ZERO && ambient != Vec3::ONE => {
                     self.warn("it has Ka and no Kd; Ka is its diffuse colour");
                     self.unit_color(ambient, "Ka")
@@ -284,7 +285,7 @@ impl Conversion<'_, '_, '_> {
                     let cuts_out = made.cuts_out && opacity >= 1.0;
                     let alpha =
                         if cuts_out { AlphaMode::Mask { cutoff: 0.5 } } else { AlphaMode::Blend };
-                    // Without a colour's image, that of the opacity is used.
+                    // Without an image of the colour, the placement is that of the opacity's image.
                     return (Some(placed.reference(made.texture)), Some(made), alpha);
                 }
                 Err(reason) => self.warn(&format!("map_d is ignored: {reason}")),
@@ -305,7 +306,7 @@ impl Conversion<'_, '_, '_> {
         }
     }
 
-    /// A colour's image, or its stand-in.
+    /// The texture of a colour, or its stand-in.
     fn color_texture(&mut self, slot: Slot) -> Option<TextureRef> {
         let map = self.mtl.map(slot)?.clone();
         let made = self
@@ -318,10 +319,10 @@ impl Conversion<'_, '_, '_> {
     }
 
     fn emission(&mut self) -> (Vec3, Option<TextureRef>) {
-        // Exporters write Ke 0 beside an image.
+        // Exporters write Ke 0 with an image.
         let said = self.mtl.emission.unwrap_or(Vec3::ZERO).max(Vec3::ZERO);
         let map = self.mtl.map(Slot::Emission).cloned();
-        // An emissive checkerboard would not help.
+        // A missing image has no stand-in here: a glowing checkerboard would not help.
         let texture = map.and_then(|map| {
             let made = self
                 .find(&map)
@@ -334,7 +335,7 @@ impl Conversion<'_, '_, '_> {
         (emission, texture)
     }
 
-    /// `norm`, or `bump`, which holds normals as often as heights.
+    /// `norm`, or `bump`, which may hold normals or heights.
     fn normals(&mut self) -> (Option<TextureRef>, f32) {
         let (map, heights) = match (self.mtl.map(Slot::Normal), self.mtl.map(Slot::Bump)) {
             (Some(map), _) => (map.clone(), Some(false)),
@@ -362,7 +363,7 @@ impl Conversion<'_, '_, '_> {
         }
     }
 
-    /// `Ks`, limited to what the diffuse reflection leaves.
+    /// `Ks`, limited to the share that is not reflected diffusely.
     fn specular(&mut self, reflected: Vec3) -> (Vec3, Option<TextureRef>) {
         let texture = self.color_texture(Slot::Specular);
         let default = if texture.is_some() { Vec3::ONE } else { Vec3::ZERO };
@@ -377,13 +378,13 @@ impl Conversion<'_, '_, '_> {
         base.metallic_roughness_texture = self.rough_metal();
         let has = |slot| base.metallic_roughness_texture.is_some() && self.mtl.map(slot).is_some();
         let (has_rough, has_metal) = (has(Slot::Roughness), has(Slot::Metallic));
-        // Images multiply the numbers, which exporters leave at zero beside an image.
+        // Images multiply the numbers, which exporters set to zero if there is an image.
         let factor = |said: Option<f32>, image: bool, otherwise: f32| match said {
             Some(0.0) | None if image => 1.0,
             said => said.unwrap_or(otherwise),
         };
-        // Phong's lobe as wide as a microfacet one (Walter et al. 2007, "Microfacet models for
-        // refraction", section 5.2: alpha² = 2 / (n + 2)).
+        // The roughness of a microfacet lobe as wide as Phong's (Walter et al. 2007, "Microfacet
+        // models for refraction", section 5.2: alpha² = 2 / (n + 2)).
         let from_phong = self
             .mtl
             .scalar(Scalar::Shininess)
@@ -392,7 +393,7 @@ impl Conversion<'_, '_, '_> {
         let metal = factor(self.mtl.scalar(Scalar::Metallic), has_metal, 0.0);
         base.roughness = self.unit(rough, "roughness");
         base.metallic = self.unit(metal, "metallic");
-        // Ni 1 would make the surface invisible; exporters write it for "unknown".
+        // Exporters write 1 for an unknown Ni, which would make the surface invisible.
         base.ior = self.mtl.scalar(Scalar::Ior).filter(|&ior| ior > 1.0).unwrap_or(1.5);
 
         let strength = self.mtl.scalar(Scalar::Clearcoat).unwrap_or(0.0);
@@ -412,7 +413,7 @@ impl Conversion<'_, '_, '_> {
         material.shading = Shading::MetallicRoughness(base);
     }
 
-    /// `map_Pr` and `map_Pm` in one image.
+    /// Combines `map_Pr` and `map_Pm` in one image.
     fn rough_metal(&mut self) -> Option<TextureRef> {
         let maps = [Slot::Roughness, Slot::Metallic].map(|slot| self.mtl.map(slot).cloned());
         let files = [(&maps[0], "map_Pr"), (&maps[1], "map_Pm")].map(|(map, what)| {
@@ -442,7 +443,7 @@ impl Conversion<'_, '_, '_> {
         }
     }
 
-    /// The file of an image, beside that of the material or the scene.
+    /// The file of an image, in the folder of the material library or the scene.
     fn find(&self, map: &Map) -> Result<PathBuf, String> {
         find(&[&self.mtl.file, self.own.file], &map.file, self.own.reach)
     }

@@ -1,4 +1,4 @@
-//! Converts the triangles of a submesh to a mesh with vertices of its own.
+//! Converts the triangles of a submesh to a mesh with its own vertices.
 
 use std::collections::HashMap;
 
@@ -23,9 +23,9 @@ pub(super) struct Builder<'m> {
     /// The normals of corners in smoothing groups, by corner.
     group_normals: &'m [Vec3],
     crease_rad: Option<f32>,
-    /// The vertex of each corner in the current submesh; [`Corner::NONE`] in between.
+    /// The vertex of each corner in the current submesh; [`Corner::NONE`] for other corners.
     vertices: Vec<u32>,
-    /// The divisor of colours.
+    /// The largest value of colours: 1 or 255.
     full_color: f32,
 }
 
@@ -75,7 +75,7 @@ impl<'m> Builder<'m> {
             mesh.colors = places.clone().map(|c| self.color(c).extend(1.0)).collect();
         }
         repair::attributes(&mut mesh, notes);
-        // Zero if the face decides.
+        // Zero for the normal of the face, which is set later.
         mesh.normals = order
             .iter()
             .map(|&number| {
@@ -106,7 +106,7 @@ impl<'m> Builder<'m> {
     }
 
     /// Converts indices of corners to indices of vertices, and returns the corner of each vertex.
-    /// Corners with the normal of their face get a vertex each, unless edges will decide.
+    /// Each corner with the normal of its face gets its own vertex, unless `share_flat` is set.
     fn number_vertices(&mut self, indices: &mut [u32], share_flat: bool) -> Vec<u32> {
         let mut order = Vec::new();
         for index in indices {
@@ -129,10 +129,11 @@ impl<'m> Builder<'m> {
         order
     }
 
-    /// The normals of a mesh's corners: smooth up to the angle if the file gives none.
+    /// The normals of a mesh's corners. Those that the file does not give are smooth across edges
+    /// below the angle.
     fn crease(&self, mesh: &Mesh, order: &[u32], crease_rad: f32) -> Vec<Vec3> {
         let corners = &self.model.corners;
-        // Vertices at seams of the texture are separate, but their surface is one.
+        // Welds vertices at seams of the texture, where the surface is connected.
         let mut known = HashMap::new();
         let mut positions = Vec::new();
         let places: Vec<u32> = order
@@ -163,13 +164,14 @@ impl<'m> Builder<'m> {
     }
 }
 
-/// Gives the marked vertices, which no triangles share, the normals of their faces.
+/// Gives the vertices for which `is_flat` is true, which no triangles share, the normals of their
+/// faces.
 fn face_normals(mesh: &mut Mesh, is_flat: impl Fn(usize) -> bool) {
     for triangle in mesh.indices.chunks_exact(3) {
         let corners = [0, 1, 2].map(|i| triangle[i] as usize);
         let normal = normals::face_normal(corners.map(|i| mesh.positions[i]));
         for i in corners.into_iter().filter(|&i| is_flat(i)) {
-            // Triangles without a direction have no area and are removed later.
+            // A triangle without a normal has no area and is removed later.
             mesh.normals[i] = if normal == Vec3::ZERO { Vec3::Y } else { normal };
         }
     }

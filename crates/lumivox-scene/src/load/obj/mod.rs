@@ -9,18 +9,18 @@
 //! Corners without a normal are smooth among the faces of their smoothing group, across meshes.
 //! Outside groups they are flat: that is the format's initial state ("the default is off"), and
 //! programs that mean smooth surfaces write normals or groups. [`LoadOptions::crease_rad`]
-//! overrides this; then edges between two materials stay.
+//! overrides this; edges between two materials then stay sharp.
 //!
 //! MTL does not say whether materials are two-sided, and many files have arbitrary winding: all
 //! materials are visible from both sides.
 //!
-//! The file is read line by line ([`read`]) into shared lists of places, texture coordinates and
+//! The file is read line by line ([`read`]) into shared lists of positions, texture coordinates and
 //! normals, a table of the distinct corners, and the corners of each submesh's triangles, which
 //! become the mesh's indices in place ([`mesh`]).
 //!
-//! `tobj` 4.0 was considered: it keeps no smoothing groups, requires UTF-8, joins no lines, fans
-//! concave polygons, holds all faces beside the meshes, and knows neither texture options nor the
-//! keys of physically-based materials.
+//! `tobj` 4.0 was considered: it drops smoothing groups, requires UTF-8, does not join lines, fans
+//! concave polygons, stores all faces in addition to the meshes, and supports neither texture
+//! options nor the keys of physically-based materials.
 
 mod corners;
 mod fault;
@@ -38,7 +38,7 @@ use super::geometry::GeometryBudget;
 use super::{LoadOptions, Notes, stream, tangents};
 use crate::{Instance, Scene, SceneError};
 
-/// The first mesh of a file, without its materials, and how many others there are; `None` if there
+/// The first mesh of a file, without its materials, and the number of other meshes; `None` if there
 /// are no triangles. Warnings go to `notes`.
 #[cfg(feature = "vxct")]
 pub(super) fn first_mesh(

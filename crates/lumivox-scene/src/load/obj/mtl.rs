@@ -13,18 +13,18 @@ use crate::load::find::{bare, find};
 use crate::load::text::{Lines, keyword, number, numbers, readable, words};
 use crate::load::{LoadOptions, Notes, stream};
 
-/// The most words of a line that are tried as several names.
+/// The most words of a line that is split into several names.
 const MOST_WORDS: usize = 32;
 
 /// The materials of all libraries of a scene.
 #[derive(Default)]
 pub(super) struct Library {
     materials: HashMap<Vec<u8>, Mtl>,
-    /// For each [`plain`] name, the first spelling of a material's name.
+    /// The first spelling of a material's name, by its [`plain`] form.
     plain_names: HashMap<Vec<u8>, Vec<u8>>,
 }
 
-/// One material as its file gives it; `None` means not given.
+/// A material as in its file; `None` means not given.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mtl {
     /// The file that contains it.
@@ -37,7 +37,7 @@ pub(super) struct Mtl {
     pub(super) maps: BTreeMap<Slot, Map>,
 }
 
-/// Statements of one number.
+/// Statements with one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Scalar {
     Shininess,
@@ -52,7 +52,7 @@ pub(super) enum Scalar {
     ClearcoatRoughness,
 }
 
-/// Statements of one image.
+/// Statements with an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Slot {
     Diffuse,
@@ -67,7 +67,7 @@ pub(super) enum Slot {
 }
 
 impl Library {
-    /// Reads the libraries that `mtllib` names in the scene `file`. A missing one causes a warning.
+    /// Reads the libraries that the scene `file` names; missing ones cause a warning.
     pub(super) fn load(
         file: &Path,
         reach: Reach<'_>,
@@ -113,7 +113,7 @@ impl Library {
         }
     }
 
-    /// The material of a name, else the one whose name differs in case, quotation marks or a
+    /// The material of this name, or one whose name only differs in case, quotation marks or a
     /// comment.
     pub(super) fn get(&self, name: &[u8]) -> Option<&Mtl> {
         let same = || self.materials.get(self.plain_names.get(&plain(name))?);
@@ -169,7 +169,7 @@ impl Library {
         Ok(names.len())
     }
 
-    /// Stores a material; the first one of a name counts.
+    /// Stores a material unless its name exists.
     fn insert(&mut self, named: Option<(Vec<u8>, Mtl)>) {
         if let Some((name, mtl)) = named {
             self.plain_names.entry(plain(&name)).or_insert_with(|| name.clone());
@@ -187,8 +187,8 @@ impl Mtl {
         self.maps.get(&slot)
     }
 
-    /// Reads a statement, and returns the part of it that has no effect. The error is a sentence
-    /// that says why the whole statement has none.
+    /// Reads a statement, and returns its ignored part. The error is a sentence with the reason why
+    /// the whole statement is ignored.
     fn statement(
         &mut self,
         first: &[u8],
@@ -229,8 +229,8 @@ impl Mtl {
             b"map_pr" => return self.map_statement(Slot::Roughness, rest, exists),
             b"map_pm" => return self.map_statement(Slot::Metallic, rest, exists),
             b"map_ps" => return self.map_statement(Slot::Sheen, rest, exists),
-            // This program computes ambient light, and every exporter writes both keys. The
-            // sharpness of reflections and anti-aliasing are not properties of surfaces.
+            // Renderers compute ambient light, and every exporter writes both keys. The sharpness
+            // of reflections and anti-aliasing are not properties of surfaces.
             b"map_ka" | b"sharpness" | b"map_aat" => {}
             b"tf" if color(rest) == Ok(Vec3::ONE) => {}
             b"aniso" | b"anisor" if number(rest) == Some(0.0) => {}
@@ -271,14 +271,14 @@ impl Mtl {
     }
 }
 
-/// The names of libraries in one line, each with blanks or without: the longest that are found,
-/// else up to the next `.mtl`.
+/// Splits a line into names of libraries, which may contain blanks: the longest names that are
+/// found, else up to the next `.mtl`.
 fn split<T>(names: &[u8], find: &dyn Fn(&[u8]) -> Result<T, String>) -> Vec<Result<T, String>> {
     let ends: Vec<usize> = (1..=names.len())
         .filter(|&at| !names[at - 1].is_ascii_whitespace())
         .filter(|&at| names.get(at).is_none_or(u8::is_ascii_whitespace))
         .collect();
-    // A line with that many words is not a list of names.
+    // A line with more words is not a list of names.
     if ends.len() > MOST_WORDS {
         return vec![find(names)];
     }
@@ -302,7 +302,7 @@ fn split<T>(names: &[u8], find: &dyn Fn(&[u8]) -> Result<T, String>) -> Vec<Resu
     found
 }
 
-/// A name for comparisons: case, spacing, quotation marks and comments do not count.
+/// The form of a name for comparisons, without case, spacing, quotation marks and comments.
 fn plain(name: &[u8]) -> Vec<u8> {
     let words: Vec<_> = words(bare(name)).collect();
     words.join(&b' ').to_ascii_lowercase()

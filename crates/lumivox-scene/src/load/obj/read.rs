@@ -15,7 +15,7 @@ use crate::load::polygon::Cutter;
 use crate::load::text::{Lines, keyword, number, numbers, readable, words};
 use crate::load::{Notes, normals};
 
-/// Beyond this number of submeshes, groups of one material share one: a file could name millions.
+/// Beyond this number of submeshes, all groups of a material share one: a file could name millions.
 const MOST_SUBMESHES: usize = 1 << 16;
 /// The most material libraries that are searched.
 const MOST_LIBRARIES: usize = 64;
@@ -24,9 +24,9 @@ const MOST_LIBRARIES: usize = 64;
 #[derive(Default)]
 pub(super) struct Model {
     pub(super) positions: Vec<Vec3>,
-    /// The rounding errors of the positions.
+    /// The rounding errors of `positions`.
     pub(super) rest: Rest,
-    /// Colours as in the file, NaN for vertices without one; shorter than `positions`, or empty.
+    /// Colours as in the file, NaN for vertices without a colour; may be shorter than `positions`.
     pub(super) colors: Vec<Vec3>,
     pub(super) uvs: Vec<Vec2>,
     pub(super) normals: Vec<Vec3>,
@@ -44,11 +44,11 @@ pub(super) struct Submesh {
     pub(super) name: String,
     /// Index into [`Model::materials`].
     pub(super) material: Option<usize>,
-    /// Numbers of corners, three a triangle.
+    /// Indices of corners, three per triangle.
     pub(super) indices: Vec<u32>,
 }
 
-/// Reads all of a file.
+/// Reads a file.
 pub(super) fn read(
     file: &Path,
     reader: impl BufRead,
@@ -59,7 +59,7 @@ pub(super) fn read(
     let mut state = State::default();
     while lines.advance_joined()? {
         let (first, rest) = keyword(lines.line());
-        // The longest statements have eight letters.
+        // The longest keywords have eight letters.
         let mut lower = [0; 8];
         let first = match lower.get_mut(..first.len()) {
             Some(lower) => {
@@ -93,8 +93,8 @@ struct Late {
     rest: Vec<u8>,
     submesh: usize,
     smoothing: Option<Normal>,
-    /// The numbers of positions, texture coordinates and normals, from which negative indices
-    /// count back.
+    /// The numbers of positions, texture coordinates and normals before the face, for negative
+    /// indices.
     counts: [usize; 3],
 }
 
@@ -107,30 +107,32 @@ struct State {
     model: Model,
     object: Vec<u8>,
     group: Vec<u8>,
-    /// The normal of corners without one: flat, or that of the smoothing group.
+    /// The normal of corners without a given one: the face's, or the smoothing group's.
     smoothing: Option<Normal>,
     groups: HashMap<Vec<u8>, u32>,
     material: Option<usize>,
     material_numbers: HashMap<Vec<u8>, usize>,
-    /// From names and material to submeshes.
+    /// The submesh of each object, group and material.
     submesh_numbers: HashMap<SubmeshKey, usize>,
-    /// The submesh of the next faces; `None` after any of its names changed.
+    /// The submesh of the next faces; `None` after the object, group or material has changed.
     submesh: Option<usize>,
     triangles: u64,
     cutter: Cutter,
     face: Vec<u32>,
     points: Vec<Vec3>,
-    /// Faces that are read at the end, and the bytes of their text.
+    /// Faces that are read at the end of the file.
     late: Vec<Late>,
+    /// Bytes of `late`.
     late_bytes: usize,
-    /// The counts of the face in `late` that is being read.
+    /// [`Late::counts`] of the face in `late` that is being read; `None` before the end of the
+    /// file.
     counts_before: Option<[usize; 3]>,
     /// The number of colours in `ZBrush`'s comments so far.
     painted: usize,
     skipped: Skipped,
 }
 
-/// Counts of skipped things.
+/// The numbers of skipped things.
 #[derive(Default)]
 struct Skipped {
     lines_and_points: u64,
@@ -149,7 +151,7 @@ impl State {
             b"v" => self.vertex(rest)?,
             b"vt" => self.texture_coordinate(rest)?,
             b"vn" => {
-                // Normals without a direction are repaired later.
+                // Normals of length zero are repaired later.
                 let normal = numbers(&mut words(rest))?;
                 self.model.normals.push(Vec3::from_array(normal));
             }
@@ -185,7 +187,7 @@ impl State {
             }
             b"l" | b"p" => self.skipped.lines_and_points += 1,
             b"curv" | b"curv2" | b"surf" => self.skipped.free_form += 1,
-            // Statements of free-form shapes, and display attributes without a meaning here.
+            // Statements for free-form shapes, and ignored display attributes.
             b"vp" | b"cstype" | b"deg" | b"bmat" | b"step" | b"parm" | b"trim" | b"hole"
             | b"scrv" | b"sp" | b"end" | b"con" | b"mg" | b"ctech" | b"stech" | b"bevel"
             | b"c_interp" | b"d_interp" | b"lod" | b"bsp" | b"bzp" | b"cdc" | b"cdp" | b"res"
@@ -225,7 +227,7 @@ impl State {
     fn texture_coordinate(&mut self, rest: &[u8]) -> Result<(), Fault> {
         let mut words = words(rest);
         let [u] = numbers(&mut words)?;
-        // Coordinates of lines have no v.
+        // Texture coordinates of lines have no v.
         let v = match words.next() {
             Some(word) => {
                 number(word).ok_or_else(|| format!("\"{}\" is not a number", readable(word)))?
@@ -254,8 +256,8 @@ impl State {
         });
     }
 
-    /// Colours of the next vertices in a comment of `ZBrush`: two hexadecimal digits each for a
-    /// mask, red, green and blue.
+    /// Reads the colours of the next vertices from a comment of `ZBrush`: two hexadecimal digits
+    /// each for a mask, red, green and blue.
     fn polypaint(&mut self, rest: &[u8]) {
         let Model { positions, colors, .. } = &mut self.model;
         for block in rest.chunks_exact(8) {
@@ -314,7 +316,7 @@ impl State {
         Ok(())
     }
 
-    /// `position[/[uv][/normal]]`, from 1, or from -1 backwards.
+    /// Parses `position[/[uv][/normal]]`: indices from 1, or backwards from -1.
     fn corner(&mut self, word: &[u8]) -> Result<Corner, Fault> {
         let mut parts = word.split(|&byte| byte == b'/');
         let bad = || Fault::Text(format!("\"{}\" is not a corner of a face", readable(word)));
@@ -339,7 +341,8 @@ impl State {
                 count,
             },
         })?;
-        // An invalid index is ignored here: a picture without it is better than none.
+        // Invalid indices of texture coordinates and normals are ignored: a picture without them is
+        // better than none.
         let mut other = |list: usize| match parts.next() {
             None | Some([]) => Ok((None, 0)),
             Some(part) => {
@@ -392,7 +395,7 @@ impl State {
         submesh
     }
 
-    /// Memory in use, except for names.
+    /// The memory in use in bytes, except for names.
     fn bytes(&self) -> u64 {
         let model = &self.model;
         let lists = (model.positions.len() + model.colors.len() + model.normals.len()) * 12
@@ -431,12 +434,12 @@ impl State {
 
 impl Model {
     /// The normals of the corners in smoothing groups, by corner; empty without groups. Frees the
-    /// memory that only reading needs.
+    /// memory that was only needed for reading.
     pub(super) fn group_normals(&mut self) -> Vec<Vec3> {
         let count = self.corners.len() as u32;
         let mut sums = Vec::new();
         if (0..count).any(|number| self.corners.get(number).normal.is_group()) {
-            // Corners that differ only by texture coordinates share one normal: that of the first.
+            // Corners that only differ in texture coordinates share the first one's normal.
             let first = |number: u32| {
                 let corner = self.corners.get(number);
                 let fits = |other: &Corner| other.normal == corner.normal;
@@ -487,7 +490,7 @@ fn integer(word: &[u8]) -> Option<i64> {
     Some(if negative { -value } else { value })
 }
 
-/// The list index for an index that counts from 1, or backwards from -1 at the end of the first
+/// Converts an index that counts from 1, or backwards from -1, which is the last of the first
 /// `before` entries.
 fn resolve(index: i64, count: usize, before: usize) -> Option<u32> {
     let count = count as i64;

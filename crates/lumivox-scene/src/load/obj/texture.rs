@@ -13,10 +13,9 @@ use crate::load::{self, Notes, color};
 use crate::{Scene, Texture};
 
 /// The height of white above black in a bump map with `-bm` 1, as a share of the image's width. MTL
-/// gives heights no length; a hundredth is a joint of one centimetre between tiles of a metre.
+/// has no unit of heights; this gives tiles of a metre joints of one centimetre.
 const BUMP_DEPTH: f32 = 0.01;
-/// The largest share of texels that are neither clear nor solid, its edges, in an image that cuts
-/// out.
+/// The largest share of texels that are neither clear nor solid (edges) in a cutout.
 const MOST_EDGE_TEXELS: f32 = 0.1;
 
 /// The sources of a texture.
@@ -26,7 +25,7 @@ pub(super) enum Source {
     Color(PathBuf),
     /// A colour, or white, with the opacity of another image.
     Cutout { color: Option<PathBuf>, opacity: PathBuf, channel: Channel },
-    /// Normals, or heights of this strength (the bits of a float).
+    /// Normals, or heights with a strength (the bits of a float).
     Bump { file: PathBuf, bump_bits: u32, heights: Option<bool> },
     /// Roughness in green, metal in blue.
     RoughMetal { rough: Option<PathBuf>, metal: Option<PathBuf>, channels: (Channel, Channel) },
@@ -47,20 +46,20 @@ pub(super) struct Made {
     pub(super) texture: usize,
     /// The largest linear value of each channel.
     pub(super) brightest: Vec3,
-    /// Whether alpha is either 0 or 1 nearly everywhere.
+    /// `true` if alpha is 0 or 1 nearly everywhere.
     pub(super) cuts_out: bool,
-    /// Whether the file has an alpha that was not used.
+    /// `true` if the file's alpha was ignored.
     pub(super) unused_alpha: bool,
-    /// Whether heights became normals.
+    /// `true` if heights were converted to normals.
     pub(super) from_heights: bool,
 }
 
-/// Makes textures once, within a budget.
+/// Makes each texture once, within a budget.
 pub(super) struct Textures<'a> {
     reach: Reach<'a>,
     budget_bytes: u64,
     used_bytes: u64,
-    /// The number of halvings of all textures.
+    /// The number of times that all textures were halved.
     halvings: u32,
     made: HashMap<(Source, bool), Made>,
     /// The encodings of the scene's textures.
@@ -79,7 +78,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// The texture of a source; the error is the reason why there is none, with a remedy.
+    /// The texture of a source; the error is the reason and a remedy.
     pub(super) fn get(
         &mut self,
         source: Source,
@@ -104,7 +103,7 @@ impl<'a> Textures<'a> {
         Ok(made)
     }
 
-    /// A texture in place of one that is missing.
+    /// Adds a stand-in for a missing texture.
     pub(super) fn stand_in(&mut self, name: &str, scene: &mut Scene) -> usize {
         self.push(load::image::checker(name), Encoding::Color, scene)
     }
@@ -140,7 +139,7 @@ impl<'a> Textures<'a> {
     }
 }
 
-/// Half the width and height.
+/// Halves the width and height.
 fn halve(texture: &mut Texture, encoding: Encoding) {
     let rgba8 = std::mem::take(&mut texture.rgba8);
     let pixels = Pixels { width: texture.width, height: texture.height, rgba8 };
@@ -211,7 +210,7 @@ fn make(source: &Source, reach: Reach<'_>) -> Result<(String, RgbaImage, Made), 
             };
             let size = rough_image.as_ref().or(metal_image.as_ref());
             let (width, height) = size.map_or((1, 1), RgbaImage::dimensions);
-            // Without an image, the material's number is used.
+            // Without an image, the channel is 1, so that the material's number counts.
             let value = |image: &Option<RgbaImage>, x, y, channel| {
                 image.as_ref().map_or(255, |image| pick(*image.get_pixel(x, y), channel))
             };
@@ -247,7 +246,7 @@ fn decode(file: &Path, reach: Reach<'_>) -> Result<RgbaImage, String> {
     image.ok_or_else(|| format!("{name} has too few texels for its size"))
 }
 
-/// Brings both images to the larger size of the two.
+/// Enlarges the smaller image to the size of the larger.
 fn fit(a: &mut RgbaImage, b: &mut RgbaImage) {
     let (width, height) = (a.width().max(b.width()), a.height().max(b.height()));
     for image in [a, b] {
@@ -267,14 +266,14 @@ fn pick(texel: Rgba<u8>, channel: Channel) -> u8 {
     }
 }
 
-/// The luma of ITU-R BT.709.
+/// The luma (ITU-R BT.709).
 fn luminance(texel: Rgba<u8>) -> u8 {
     let rgb = Vec3::new(f32::from(texel[0]), f32::from(texel[1]), f32::from(texel[2]));
     rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722)).round() as u8
 }
 
-/// Whether a bump image holds normals, as many exporters write: grey images are heights; in those
-/// of normals most texels are unit vectors out of the surface.
+/// Whether a bump image holds normals, as many exporters write: it is not grey, and most texels are
+/// unit vectors out of the surface.
 fn holds_normals(image: &RgbaImage) -> bool {
     let texels = u64::from(image.width()) * u64::from(image.height());
     let fitting = image.pixels().filter(|texel| {
@@ -286,22 +285,22 @@ fn holds_normals(image: &RgbaImage) -> bool {
     !grey && fitting.count() as u64 * 2 > texels
 }
 
-/// Tangent-space normals of a height field: its gradient by Sobel's differences (weights 1 2 1
-/// across, a sum of eight texels), the image repeating at its edges.
+/// Converts heights to tangent-space normals, by Sobel's differences (weights 1 2 1 across, a sum
+/// of eight); the image repeats.
 fn normals_from_heights(heights: &RgbaImage, bump: f32) -> RgbaImage {
     let (width, height) = heights.dimensions();
-    // Rows of heights, so that each texel is weighted only once.
+    // Computes each texel's height only once.
     let values: Vec<f32> =
         heights.pixels().map(|texel| f32::from(luminance(*texel)) / 255.0).collect();
     let at = |x: u32, y: u32| values[y as usize * width as usize + x as usize];
-    // From a difference of heights to one of lengths in texels.
+    // Converts differences of values to slopes in texels.
     let texels = BUMP_DEPTH * bump * width as f32 / 8.0;
     RgbaImage::from_fn(width, height, |x, y| {
         let (left, right) = ((x + width - 1) % width, (x + 1) % width);
         let (above, below) = ((y + height - 1) % height, (y + 1) % height);
         let column = |x: u32| at(x, above) + 2.0 * at(x, y) + at(x, below);
         let row = |y: u32| at(left, y) + 2.0 * at(x, y) + at(right, y);
-        // The image's y runs down, the normal's up.
+        // The image's y points down, the normal's up.
         let slope_x = (column(right) - column(left)) * texels;
         let slope_y = (row(above) - row(below)) * texels;
         let normal = Vec3::new(-slope_x, -slope_y, 1.0).normalize_or(Vec3::Z);
@@ -320,7 +319,7 @@ mod tests {
 
     #[test]
     fn a_height_ramp_becomes_normals_of_its_slope() {
-        // Ten levels a texel to the right, and a flat column at each end of the wrap.
+        // Ten levels per texel to the right; the first and last columns wrap.
         let width = 20;
         let ramp = RgbaImage::from_fn(width, 8, |x, _| {
             let level = 20 + x as u8 * 10;
@@ -335,7 +334,7 @@ mod tests {
                 assert!((n - expected).length() < 0.012, "{n} {expected}");
             }
         }
-        // Higher rows of the image that are brighter: the surface falls towards -y, so n.y < 0.
+        // Upper rows of the image are brighter: the surface falls towards -y, so n.y < 0.
         let up = RgbaImage::from_fn(8, 20, |_, y| {
             let level = 220 - y as u8 * 10;
             Rgba([level, level, level, 255])

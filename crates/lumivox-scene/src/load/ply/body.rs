@@ -19,12 +19,12 @@ enum Use {
     Normal(usize),
     Uv(usize),
     Color(usize),
-    /// All channels packed into one number, and whether alpha is one of them.
+    /// All channels packed into one number; `true` with alpha.
     Packed(bool),
     Nothing,
 }
 
-/// Makes triangles of the corners of the entry with this index.
+/// Makes triangles from `corners` for the element with this index.
 type Add<'f> = fn(&mut Body<'f>, usize) -> Result<(), SceneError>;
 
 /// The state of reading the body.
@@ -48,9 +48,9 @@ pub(super) struct Body<'f> {
 
 /// A file that was read.
 pub(super) struct Done<'f> {
-    /// Without derived data.
+    /// The mesh, without derived data.
     pub(super) mesh: Mesh,
-    /// The origin that was subtracted from its positions.
+    /// The origin that was subtracted from the mesh's positions.
     pub(super) origin: DVec3,
     pub(super) budget: GeometryBudget<'f>,
     pub(super) notes: Notes,
@@ -124,7 +124,7 @@ impl<'f> Body<'f> {
             return Err(SceneError::NoTriangles { file: self.file.to_owned(), reason });
         }
         mesh.uvs.resize(mesh.positions.len(), Vec2::ZERO);
-        // Numbers that are bytes of a screen's colours, or shares of a wider integer.
+        // Numbers above 1 are bytes, or wider integers.
         let largest =
             mesh.colors.iter().fold(0.0, |most: f32, color| most.max(color.max_element()));
         if largest > 2.0 {
@@ -189,7 +189,7 @@ impl<'f> Body<'f> {
         let count = usize::try_from(element.count).unwrap_or(usize::MAX);
         self.budget.spend(|| format!("its {count} vertices"), count, 0, colors)?;
 
-        // They fit into the file, see `check_room`.
+        // The file is large enough for `count` vertices, see `check_room`.
         let mesh = &mut self.mesh;
         mesh.positions.reserve_exact(count);
         if normals {
@@ -202,7 +202,7 @@ impl<'f> Body<'f> {
             mesh.colors.reserve_exact(count);
         }
         let decoders = element.properties.iter().zip(uses).map(|(property, used)| {
-            // Wider integers may hold bytes: their range is known once all are read.
+            // Wider integers may hold bytes: their range is only known after reading all.
             let bytes = property.scalar.largest().filter(|&largest| largest == 255);
             (used, bytes.map_or(color::Decoder::Float, color::Decoder::integers))
         });
@@ -219,7 +219,7 @@ impl<'f> Body<'f> {
                     skip_items(count, property, source)?;
                     continue;
                 }
-                // The bits of a packed colour, whatever their type, may be NaN.
+                // A packed colour is read as bits, since as a float it may be NaN.
                 let is_packed = matches!(used, Use::Packed(_)) && !is_text;
                 let scalar = if is_packed { Scalar::U32 } else { property.scalar };
                 let value = source.value(scalar)?;
@@ -230,7 +230,7 @@ impl<'f> Body<'f> {
                     Use::Color(3) => color[3] = decoder.linear(value),
                     Use::Color(i) => color[i] = decoder.color(value),
                     Use::Packed(has_alpha) => {
-                        // Some programs write floats in text as the integers of their bits.
+                        // In text, some programs write the bits of a float as an integer.
                         let is_float = is_text
                             && property.scalar == Scalar::F32
                             && !(1.0..=f64::from(u32::MAX)).contains(&value);
@@ -286,7 +286,7 @@ impl<'f> Body<'f> {
         }
         self.warn_of_face_properties(element);
         let count = usize::try_from(element.count).unwrap_or(usize::MAX);
-        // Three corners per face, up to what the file could hold.
+        // Reserves three corners per face, at most what the file could hold.
         let property = &element.properties[corners];
         let item =
             if self.header.encoding == Encoding::Ascii { 2 } else { property.scalar.bytes() };
@@ -309,7 +309,7 @@ impl<'f> Body<'f> {
                 self.corners.clear();
                 for _ in 0..whole(length) {
                     let index = source.value(property.scalar)?;
-                    // Checked where it is used; the cast saturates, and -1 ends strips.
+                    // The index is checked later; the cast saturates, and -1 ends strips.
                     let index = if index < 0.0 { u32::MAX } else { index as u32 };
                     self.corners.push(index);
                 }
@@ -353,7 +353,7 @@ impl<'f> Body<'f> {
         let before = self.mesh.indices.len();
         for strip in self.corners.split(|&i| i == u32::MAX) {
             for (i, t) in strip.windows(3).enumerate() {
-                // Every second triangle of a strip runs the other way.
+                // Every second triangle of a strip has the opposite winding.
                 let turned = if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] };
                 self.mesh.indices.extend(turned);
             }
@@ -413,7 +413,7 @@ impl<'f> Body<'f> {
 }
 
 fn skip(element: &Element, source: &mut impl Source) -> Result<(), SceneError> {
-    // Entries without properties take no bytes, whatever their number.
+    // Entries without properties take no bytes.
     if element.properties.is_empty() {
         return Ok(());
     }

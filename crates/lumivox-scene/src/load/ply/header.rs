@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::SceneError;
 use crate::load::text::{keyword, readable, without_mark, words};
 
-/// The most bytes of a header: a thousand times those of real ones.
+/// The most bytes of a header: a thousand times as many as real ones have.
 const LONGEST: usize = 1 << 20;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,9 +20,9 @@ pub(super) enum Encoding {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
-    /// The image named by a comment as `MeshLab` writes it.
+    /// The image that a comment of `MeshLab` names.
     pub(super) texture: Option<String>,
-    /// The number of the header's lines.
+    /// The number of lines of the header.
     pub(super) lines: u64,
 }
 
@@ -55,7 +55,7 @@ pub(super) enum Scalar {
 }
 
 impl Scalar {
-    /// Accepts both spellings of the format, and those that libraries add.
+    /// Accepts both standard spellings, and those of libraries.
     fn parse(word: &[u8]) -> Option<Self> {
         Some(match word {
             b"char" | b"int8" => Self::I8,
@@ -94,7 +94,7 @@ impl Scalar {
 }
 
 impl Element {
-    /// The fewest bytes of an entry in the file.
+    /// The fewest bytes that an entry takes in the file.
     pub(super) fn least_bytes(&self, encoding: Encoding) -> u64 {
         let bytes = |p: &Property| match encoding {
             // A digit and a space.
@@ -190,8 +190,8 @@ struct HeadLines<'a, R> {
     line: Vec<u8>,
     bytes: usize,
     number: u64,
-    /// Whether lines end in CR only; the first line decides. In a CR LF file, LF is part of the
-    /// line ending; otherwise it may be the first byte of the body.
+    /// `true` if lines end in CR only; `None` before the first line, which decides. After a CR, LF
+    /// may be the first byte of the body.
     cr: Option<bool>,
 }
 

@@ -5,12 +5,12 @@
 //! `tristrips` are read; every other element and property is skipped by its declared size. The
 //! result is one mesh.
 //!
-//! If the file has no normals, surfaces are smooth: triangles share the vertices of PLY, and scans
-//! sample mostly smooth surfaces. [`LoadOptions::crease_rad`] overrides this. Integer colours count
+//! If the file has no normals, surfaces are smooth: triangles share vertices in PLY, and scans
+//! mostly sample smooth surfaces. [`LoadOptions::crease_rad`] overrides this. Integer colours count
 //! as sRGB, as scanners and their programs write them, floats as linear.
 //!
-//! `ply-rs-bw` 4.0 was considered: it collects an object for each element before anything can be
-//! done with it, and a vector for each face, several times the memory of the mesh itself.
+//! `ply-rs-bw` 4.0 was considered: it first collects an object for each element and a vector for
+//! each face, several times the memory of the mesh.
 
 mod body;
 mod header;
@@ -37,7 +37,7 @@ pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, 
         Encoding::Ascii => {
             let lines = body.read(&mut source::Text::new(file, reader, header.lines, true));
             if let Err(error) = lines {
-                // Entries may share lines: read again, treating line breaks as spaces.
+                // Entries may share lines: reads again, with line breaks as spaces.
                 body = new_body();
                 let (mut reader, _) = stream::open(file, options)?;
                 Header::read(file, &mut reader)?;

@@ -9,7 +9,7 @@ use crate::load::text::{Lines, readable};
 
 /// A source of values. All types fit into an f64 without loss.
 pub(super) trait Source {
-    /// Goes to the next element.
+    /// Starts the next element.
     fn begin(&mut self) -> Result<(), SceneError>;
 
     /// The next value of the element.
@@ -19,13 +19,13 @@ pub(super) trait Source {
     fn rest(&mut self) -> Result<Option<String>, SceneError>;
 }
 
-/// Elements as lines of numbers.
+/// Reads elements as lines of numbers.
 pub(super) struct Text<'f, R> {
     file: &'f Path,
-    /// Whether each element begins a line. Otherwise lines have no meaning.
+    /// `true` if each element begins a line; otherwise line breaks are spaces.
     in_lines: bool,
     lines: Lines<'f, R>,
-    /// The used part of the line.
+    /// The number of bytes of the line that were read.
     at: usize,
 }
 
@@ -39,7 +39,7 @@ impl<'f, R: BufRead> Text<'f, R> {
         if self.lines.advance()? { Ok(()) } else { Err(ends_early(self.file)) }
     }
 
-    /// The bounds of the line's next word; empty at its end.
+    /// The range of the line's next word; empty at the end of the line.
     fn word(&mut self) -> std::ops::Range<usize> {
         let line = &self.lines.line()[self.at..];
         let blank = line.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
@@ -51,7 +51,7 @@ impl<'f, R: BufRead> Text<'f, R> {
 }
 
 impl<R: BufRead> Source for Text<'_, R> {
-    /// Surplus words of a line are dropped, so that one bad line spoils only one element.
+    /// Drops surplus words of a line, so that a bad line only spoils one element.
     fn begin(&mut self) -> Result<(), SceneError> {
         if !self.in_lines {
             return Ok(());
@@ -86,7 +86,7 @@ impl<R: BufRead> Source for Text<'_, R> {
     }
 }
 
-/// Elements as bytes, the most significant first or last.
+/// Reads elements as bytes in big-endian (`BIG`) or little-endian order.
 pub(super) struct Binary<'f, R, const BIG: bool> {
     file: &'f Path,
     reader: R,
@@ -97,7 +97,7 @@ impl<'f, R: Read, const BIG: bool> Binary<'f, R, BIG> {
         Self { file, reader }
     }
 
-    /// The next bytes, the most significant last.
+    /// The next bytes, in little-endian order.
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], SceneError> {
         let mut bytes = [0; N];
         self.reader.read_exact(&mut bytes).map_err(|source| match source.kind() {

@@ -16,9 +16,9 @@ impl Reading<'_> {
         let mut solids: Vec<Solid> = Vec::new();
         let mut cutter = Cutter::default();
         let (mut facet, mut exact): (Vec<Vec3>, Vec<DVec3>) = Default::default();
-        // Whether a facet, and a solid, are open.
+        // Whether a facet or a solid is open.
         let (mut in_facet, mut in_solid) = (false, false);
-        // A vertex, and how many numbers of it and of a normal are still missing.
+        // A vertex, and the number of its coordinates, or a normal's, that are still missing.
         let (mut place, mut missing, mut in_normal) = ([0.0; 3], 0, 0);
         while lines.advance()? {
             let (first, rest) = keyword(lines.line());
@@ -47,13 +47,13 @@ impl Reading<'_> {
                     }
                     continue;
                 }
-                // The winding already gives the normal.
+                // Ignores the normal, which the winding gives.
                 if in_normal > 0 && !word.eq_ignore_ascii_case(b"outer") {
                     in_normal -= 1;
                     continue;
                 }
                 in_normal = 0;
-                // Some write "end facet" for "endfacet".
+                // Some programs write "end facet" for "endfacet".
                 let (ends, word) = match word.split_at_checked(3) {
                     Some((start, rest)) if start.eq_ignore_ascii_case(b"end") => (
                         true,
@@ -97,7 +97,7 @@ impl Reading<'_> {
                 } else if is("normal") && !ends {
                     in_normal = 3;
                 } else if !in_solid && !in_facet {
-                    // Comments around the solids.
+                    // A comment outside the solids.
                     break;
                 } else if !(is("loop") || (is("outer") && !ends)) {
                     let reason = format!("\"{}\" is not a word of STL", readable(word));
@@ -116,7 +116,7 @@ impl Reading<'_> {
 }
 
 /// The first facet of a line, recognised by the numbers of its normal: a solid's name may contain
-/// the words, too.
+/// the words "facet normal", too.
 fn first_facet(line: &[u8]) -> Option<usize> {
     const BEGIN: &[u8] = b"facet normal";
     let begins = line.windows(BEGIN.len()).enumerate();

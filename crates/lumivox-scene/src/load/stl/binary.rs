@@ -8,8 +8,7 @@ use super::{BINARY_HEAD, BINARY_TRIANGLE, Reading, Solid, length_of};
 use crate::SceneError;
 
 impl Reading<'_> {
-    /// Reads as many triangles as there are, whatever the count says: some programs write a wrong
-    /// one or none.
+    /// Reads all triangles of the file: some programs write a wrong count, or none.
     pub(super) fn binary(
         &mut self,
         mut reader: impl Read,
@@ -29,7 +28,7 @@ impl Reading<'_> {
         let bytes = length.saturating_sub(BINARY_HEAD as u64);
         let held = bytes / BINARY_TRIANGLE as u64;
         let rest = bytes % BINARY_TRIANGLE as u64;
-        // If triangles fill the file exactly, all of them count; otherwise the rest is other data.
+        // If triangles fill the file exactly, all are read; otherwise the rest is other data.
         let count = if declared == 0 || rest == 0 { held } else { declared.min(held) };
         if declared != held {
             let cause = if declared > held { "the file was cut off" } else { "it counts too few" };

@@ -1,10 +1,10 @@
-//! Reads STL (3D Systems, "Stereolithography Interface Specification", 1989): triangles and nothing
-//! else, binary or as text.
+//! Reads STL (3D Systems, "Stereolithography Interface Specification", 1989): only triangles,
+//! binary or as text.
 //!
 //! A file is binary if its length matches its count of triangles (many binary files begin with
 //! `solid`, as text does), and otherwise if it has a zero byte where text would not. Each solid
-//! becomes a mesh. The winding decides a triangle's front; the normals in the file, which are the
-//! same or zero, are not used. STL has no shared corners, so it is flat; with
+//! becomes a mesh. The winding decides a triangle's front; the file's normals, which are equal to
+//! its normal or zero, are ignored. STL has no shared corners, so surfaces are flat; with
 //! [`LoadOptions::crease_rad`] equal corners are joined and flat edges smoothed.
 //!
 //! `stl_io` 0.11 was considered: it is too strict for real files (it refuses several solids, other
@@ -26,11 +26,12 @@ use super::text::without_mark;
 use super::{LoadOptions, Notes, normals, repair, stand_in, stream};
 use crate::{Instance, Mesh, Scene, SceneError};
 
-/// Bytes before a binary file's triangles: a free header and their count.
+/// Bytes before a binary file's triangles: a header of any content, and their count.
 const BINARY_HEAD: usize = 84;
-/// Bytes of a binary file's triangle: a normal, three corners, and 16 bits of no fixed meaning.
+/// Bytes of a binary file's triangle: a normal, three corners, and 16 bits without a standard
+/// meaning.
 const BINARY_TRIANGLE: usize = 50;
-/// Beyond this number of solids, the rest go into one: a file could name millions.
+/// All solids beyond this number become one: a file could name millions.
 const MOST_SOLIDS: usize = 1 << 16;
 
 /// One solid: three positions for each triangle.
@@ -39,14 +40,14 @@ struct Solid {
     corners: Vec<Vec3>,
 }
 
-/// The state that the readers of both kinds share.
+/// The state of reading text or binary.
 struct Reading<'f> {
     file: &'f Path,
     notes: Notes,
     budget: GeometryBudget<'f>,
     /// The rounding errors of the corners.
     rest: Rest,
-    /// Whether the file stores them as f32.
+    /// `true` if the file stores corners as f32.
     is_f32: bool,
 }
 
@@ -144,7 +145,7 @@ fn weld(corners: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
     let mut positions = Vec::new();
     let mut known = HashMap::new();
     let indices = corners.iter().map(|&corner| {
-        // Adding zero turns -0 into 0.
+        // Adding zero converts -0 to 0.
         let key = (corner + Vec3::ZERO).to_array().map(f32::to_bits);
         *known.entry(key).or_insert_with(|| {
             positions.push(corner);

@@ -9,13 +9,13 @@ use super::tree::{Block, Entry, Value, fault, quote};
 use crate::SceneError;
 use crate::load::Notes;
 
-/// The names of a kind of block.
+/// The keys of a kind of block.
 pub(super) struct Keys {
-    /// The kind, with its article.
+    /// The name of the kind, with its article.
     pub(super) what: &'static str,
-    /// Keys that count once: of repeated ones the first.
+    /// Keys whose first occurrence counts.
     pub(super) once: &'static [&'static str],
-    /// Keys that may come any number of times.
+    /// Keys that may be repeated.
     pub(super) many: &'static [&'static str],
 }
 
@@ -50,7 +50,7 @@ pub(super) const LIGHT: Keys = Keys {
     once: &["position", "color", "att_constant", "att_linear", "att_quadratic"],
     many: &[],
 };
-/// Positions and angles.
+/// The keys of positions and angles.
 pub(super) const XYZ: Keys = Keys { what: "a vector", once: &["x", "y", "z"], many: &[] };
 pub(super) const RGB: Keys = Keys { what: "a colour", once: &["r", "g", "b"], many: &[] };
 
@@ -61,7 +61,7 @@ pub(super) struct Values<'v> {
 }
 
 impl Values<'_> {
-    /// Notes unknown and repeated names of a block.
+    /// Notes unknown and repeated keys of a block.
     pub(super) fn check(&mut self, block: &Block<'_>, keys: &Keys) {
         let mut seen = 0_u32;
         for Entry { key, .. } in &block.entries {
@@ -101,7 +101,7 @@ impl Values<'_> {
         }
     }
 
-    /// The word of a name in a block, if it has one.
+    /// The word of an entry, if it has one.
     pub(super) fn word<'t>(
         &self,
         block: &Block<'t>,
@@ -127,7 +127,7 @@ impl Values<'_> {
         word.map_or(Ok(default), |word| self.parse(&word))
     }
 
-    /// Digits, optionally followed by an `f` and a comma.
+    /// Parses digits, optionally followed by an `f` and a comma.
     fn parse(&self, word: &Token<'_>) -> Result<f32, SceneError> {
         let fault = |expected: &str| fault(self.file, word.at, quote(word), expected);
         let text = word.text.strip_suffix(',').unwrap_or(word.text);
@@ -142,7 +142,7 @@ impl Values<'_> {
         }
     }
 
-    /// Only `true` is true.
+    /// Reads a flag: `true` is true, any other word is false.
     pub(super) fn flag(
         &mut self,
         block: &Block<'_>,
@@ -159,7 +159,7 @@ impl Values<'_> {
         Ok(word.text == "true")
     }
 
-    /// Three numbers. A missing number equals the first given one.
+    /// Reads three numbers. A missing number equals the first given one.
     pub(super) fn vector(
         &mut self,
         block: &Block<'_>,

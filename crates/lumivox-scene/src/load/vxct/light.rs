@@ -12,7 +12,7 @@ use crate::{Attenuation, Camera, Light, SceneError};
 ///
 /// VXCT lights a surface by `colour * cos / (c + l d + q d²)` times its own colour, and shows the
 /// result without conversion. Here a surface of albedo a that faces a lamp of I candela at a metre
-/// has a radiance of a I / pi, so with I = pi / (c + l + q) both agree there, if one unit is a
+/// has a radiance of a I / pi. So with I = pi / (c + l + q) both agree at a metre, if one unit is 1
 /// cd/m².
 pub(super) fn light(
     block: &Block<'_>,
@@ -59,7 +59,7 @@ fn attenuation(block: &Block<'_>, values: &mut Values<'_>) -> Result<Attenuation
     Ok(default)
 }
 
-/// The program's initial camera, and the two that its console offers.
+/// VXCT's initial camera, and the two cameras of its console.
 pub(super) fn cameras() -> Vec<Camera> {
     let camera = |name: &str, position: Vec3, forward: Vec3| Camera {
         name: name.to_owned(),
@@ -89,7 +89,7 @@ mod tests {
     fn a_yaw_of_minus_90_degrees_looks_along_minus_z() {
         assert!(forward(-90.0, 0.0).abs_diff_eq(Vec3::NEG_Z, 1e-6));
         assert!(forward(0.0, 90.0).abs_diff_eq(Vec3::Y, 1e-6));
-        // From its place, pos1 looks at the middle of the cube.
+        // The camera pos1 looks at the middle of the cube.
         let [_, pos1, _] = <[Camera; 3]>::try_from(cameras()).unwrap();
         let along = (-pos1.position).dot(pos1.forward);
         assert!((pos1.position + pos1.forward * along).length() < 0.06);

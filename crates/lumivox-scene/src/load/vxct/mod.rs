@@ -12,8 +12,8 @@
 //! | `light.rs` | a light, and the cameras of the program |
 //!
 //! The program silently ignores many faults. This reader ignores them too, but reports them with
-//! line and column. A text that cannot be intended (a block that does not end, a word for a number)
-//! is an error.
+//! line and column. A text that cannot be intended (an open block, a word for a number) is an
+//! error.
 
 mod keys;
 mod light;
@@ -36,7 +36,7 @@ use tree::{Block, Value, fault, quote};
 /// The most bytes of a text, enough for a hundred thousand models.
 const LONGEST_TEXT: usize = 16 << 20;
 
-/// The cube that the program voxelizes, whatever the scene.
+/// The cube that VXCT always voxelizes.
 const CUBE: Bounds = Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE };
 
 pub(super) fn load(file: &Path, options: &mut LoadOptions<'_>) -> Result<Scene, SceneError> {
@@ -98,7 +98,7 @@ fn scene_names(root: &Block<'_>, values: &Values<'_>) -> Result<Vec<String>, Sce
     Ok(names)
 }
 
-/// The scene of that name or number; by default the first. `None` if the file has no scene.
+/// The scene `wanted`, by name or number; by default the first. `None` if the file has no scene.
 fn choose<'e, 't>(
     root: &'e Block<'t>,
     values: &mut Values<'_>,
@@ -127,7 +127,7 @@ fn choose<'e, 't>(
     scenes.get(index).map(|entry| values.block(entry, "model { } light { }")).transpose()
 }
 
-/// The folder of a scene, and that of the program, if the scene is in its folder `scenes`.
+/// The folder of a scene, and VXCT's folder if the scene is in its folder `scenes`.
 pub(super) fn folders(file: &Path, options: &LoadOptions<'_>) -> Vec<PathBuf> {
     let program = model::program_folder(file, options);
     let program = program.map(|(folder, _)| folder_of(&folder.join("program")));

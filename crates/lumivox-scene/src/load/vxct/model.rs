@@ -1,4 +1,4 @@
-//! Models: an OBJ's first mesh or the cube, placed, with one flat colour.
+//! Models: an OBJ's first mesh or the cube, with a transform and one flat colour.
 
 use std::collections::HashMap;
 use std::ffi::OsStr;
@@ -31,11 +31,11 @@ enum Source {
 pub(super) struct Models<'m, 'o> {
     options: &'m mut LoadOptions<'o>,
     budget: GeometryBudget<'m>,
-    /// Files whose folders are searched for models.
+    /// Files in whose folders models are searched.
     beside: Vec<PathBuf>,
     reach: Reach<'m>,
-    /// The scene's mesh for transforms that do not mirror, and for those that do; or why there is
-    /// none.
+    /// The scene's mesh for transforms that do not mirror, and for those that do; or the reason why
+    /// there is none.
     meshes: HashMap<Source, Result<(usize, Option<usize>), String>>,
     count: usize,
 }
@@ -61,7 +61,7 @@ impl<'m, 'o> Models<'m, 'o> {
         Self { options, budget, beside, reach, meshes: HashMap::new(), count: 0 }
     }
 
-    /// Adds a model to the scene. One without anything to show is noted and left out.
+    /// Adds a model to the scene; a model without anything to show is only noted.
     pub(super) fn put(
         &mut self,
         scene: &mut Scene,
@@ -79,7 +79,7 @@ impl<'m, 'o> Models<'m, 'o> {
             Some(word) => shorten(word.text),
             None => format!("model {}", self.count),
         };
-        // Everything is read, so that errors do not depend on which files exist.
+        // All entries are read, so that errors do not depend on which files exist.
         let is_active = values.flag(block, "active", true)?;
         let is_voxelized = !values.flag(block, "static", false)?;
         let world_from_local = transform(block, values)?;
@@ -107,7 +107,7 @@ impl<'m, 'o> Models<'m, 'o> {
         Ok(())
     }
 
-    /// The source of a model's mesh; `path` goes before `primitive`.
+    /// The source of a model's mesh; `path` takes precedence over `primitive`.
     fn source(
         &self,
         block: &Block<'_>,
@@ -148,7 +148,7 @@ impl<'m, 'o> Models<'m, 'o> {
         None
     }
 
-    /// The scene's mesh from a source, wound for transforms that mirror or that do not.
+    /// The scene's mesh of a source, with reversed winding if `mirrors`.
     fn mesh(
         &mut self,
         scene: &mut Scene,
@@ -221,7 +221,7 @@ impl<'m, 'o> Models<'m, 'o> {
                 }
                 let stem = file.file_stem().map(OsStr::to_string_lossy).unwrap_or_default();
                 mesh.name = shorten(&stem);
-                // One flat colour for each model.
+                // A model has one flat colour.
                 mesh.colors = Vec::new();
                 Ok(Ok(mesh))
             }
@@ -236,21 +236,21 @@ fn is_obj(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"))
 }
 
-/// The folder above the scene's, if the scene's is called `scenes` or all folders are allowed: VXCT
-/// itself would be in it, certainly in the first case.
+/// VXCT's folder: the parent of the scene's folder. `true` if that is certain, since the scene's
+/// folder is called `scenes`; otherwise only if all folders may be read.
 pub(super) fn program_folder(file: &Path, options: &LoadOptions<'_>) -> Option<(PathBuf, bool)> {
     let folder = file.parent()?;
     let is_scenes = |name: &OsStr| name.eq_ignore_ascii_case("scenes");
     if folder.file_name().is_some_and(is_scenes) {
         return Some((folder.parent()?.to_owned(), true));
     }
-    // A path of only a file name: the folder is the working folder.
+    // A bare file name is in the working folder.
     let here = || std::path::absolute(file).ok()?.parent()?.file_name().map(is_scenes);
     let is_here = folder.as_os_str().is_empty() && options.files.is_none() && here() == Some(true);
     (is_here || options.allow_outside).then(|| (folder.join(".."), is_here))
 }
 
-/// Scale, then rotations about z, y and x, then translation: T Rx Ry Rz S Sxyz.
+/// Reads a transform: scale, then rotations about z, y and x, then translation: T Rx Ry Rz S Sxyz.
 fn transform(block: &Block<'_>, values: &mut Values<'_>) -> Result<Mat4, SceneError> {
     let position = values.vector(block, "position", &XYZ, Vec3::ZERO)?;
     let rotation_deg = values.vector(block, "rotation", &XYZ, Vec3::ZERO)?;
@@ -260,7 +260,7 @@ fn transform(block: &Block<'_>, values: &mut Values<'_>) -> Result<Mat4, SceneEr
         values.number(block, "scale_y", 1.0)?,
         values.number(block, "scale_z", 1.0)?,
     );
-    // In f64, so that the cosine of a quarter turn is zero in f32.
+    // In f64, so that the cosine of 90 degrees rounds to zero in f32.
     let angle = |degrees: f32| f64::from(degrees % 360.0).to_radians();
     let world_from_local = DMat4::from_translation(position.as_dvec3())
         * DMat4::from_rotation_x(angle(rotation_deg.x))

@@ -1,4 +1,4 @@
-//! A model's material: Phong's strengths as the file has them, and the closest physical equivalent.
+//! A model's material: the file's strengths of Phong's model, and the closest physical material.
 
 use glam::Vec3;
 
@@ -36,7 +36,7 @@ pub(super) fn material(
         ..Material::default()
     };
     if emits {
-        // It shows its colour whatever the light: 1 is the screen's white, and a cd/m².
+        // It shows its colour in any light: 1 is the screen's white, and 1 cd/m².
         material.emissive = strengths.color.max(Vec3::ZERO);
         material.shading = Shading::Phong(Phong { diffuse: Vec3::ZERO, ..Phong::default() });
     } else {
@@ -48,7 +48,7 @@ pub(super) fn material(
     Ok(material)
 }
 
-/// Descriptions of the values that are impossible for a surface.
+/// Descriptions of values that are physically impossible.
 fn limits(strengths: &Strengths) -> impl Iterator<Item = &'static str> {
     let Strengths { color, ambient, diffuse, specular, shininess, .. } = *strengths;
     let least = [color.min_element(), ambient, diffuse, specular, shininess];
@@ -69,7 +69,7 @@ fn limits(strengths: &Strengths) -> impl Iterator<Item = &'static str> {
     all.into_iter().filter_map(|(is_beyond, text)| is_beyond.then_some(text))
 }
 
-/// Whether a model's shader shows its colour as light.
+/// Whether a model's shader emits its colour.
 fn emits(model: &Block<'_>, values: &mut Values<'_>) -> Result<bool, SceneError> {
     let Some(word) = values.word(model, "shader", "COLOR")? else { return Ok(false) };
     match word.text {

@@ -2,7 +2,7 @@
 
 use std::str::CharIndices;
 
-/// A place in the text, both from 1.
+/// A place in the text, line and column from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Place {
     pub(super) line: u32,
@@ -24,7 +24,7 @@ pub(super) struct Token<'t> {
 }
 
 impl Token<'_> {
-    /// Whether it is one of the signs that are words of their own.
+    /// Whether the token is a sign: `=`, `{` or `}`.
     pub(super) fn is_sign(&self) -> bool {
         matches!(self.text, "=" | "{" | "}")
     }
@@ -40,7 +40,7 @@ pub(super) struct Tokens<'t> {
 
 impl<'t> Tokens<'t> {
     pub(super) fn new(text: &'t str) -> Self {
-        // The byte order mark that some editors write.
+        // Some editors write a byte order mark.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let at = Place { line: 1, column: 1 };
         Self { text, chars: text.char_indices(), at, after_return: false }
@@ -51,7 +51,7 @@ impl<'t> Tokens<'t> {
         self.at
     }
 
-    /// Goes past a character. Lines end in LF, CR LF or CR.
+    /// Updates the place after a character. Lines end in LF, CR LF or CR.
     fn pass(&mut self, char: char) {
         let ends_line = char == '\r' || (char == '\n' && !self.after_return);
         if ends_line {
@@ -83,7 +83,7 @@ impl<'t> Iterator for Tokens<'t> {
     }
 }
 
-/// White space as in C: VXCT knows no other languages' spaces.
+/// White space as in C: VXCT does not know Unicode's.
 pub(super) fn is_space(char: char) -> bool {
     matches!(char, ' ' | '\t' | '\n' | '\r' | '\u{b}' | '\u{c}')
 }

@@ -16,7 +16,7 @@ use crate::load::files::shorten;
 
 /// The deepest nesting of blocks; real scenes have four.
 const DEEPEST: usize = 32;
-/// The most names of a file: enough for a hundred thousand models, and a bound on memory.
+/// The most entries of a file: enough for a hundred thousand models, and a bound on memory.
 const MOST_ENTRIES: usize = 1 << 20;
 /// The most stray tokens that are reported one by one.
 const MOST_STRAYS: usize = 20;
@@ -38,7 +38,7 @@ pub(super) enum Value<'t> {
 /// The entries between braces; the whole file is a block, too.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Block<'t> {
-    /// The place of the brace.
+    /// The place of the opening brace.
     pub(super) at: Place,
     pub(super) entries: Vec<Entry<'t>>,
 }
@@ -59,7 +59,7 @@ pub(super) fn fault(
     }
 }
 
-/// A token in a message.
+/// Quotes a token for a message.
 pub(super) fn quote(token: &Token<'_>) -> String {
     // A token may be as long as the file.
     let head = token.text.char_indices().nth(100).map_or(token.text, |(end, _)| &token.text[..end]);
@@ -97,7 +97,7 @@ struct Reader<'r, 't> {
 }
 
 impl<'t> Reader<'_, 't> {
-    /// Reads up to the brace that closes the one at `open`; without one, up to the end of the file.
+    /// Reads the block that begins at the brace `open`, up to its end; `None` reads the whole file.
     fn block(&mut self, open: Option<Token<'t>>, depth: usize) -> Result<Block<'t>, SceneError> {
         let at = open.map_or(Place { line: 1, column: 1 }, |brace| brace.at);
         if depth > DEEPEST {
@@ -133,7 +133,7 @@ impl<'t> Reader<'_, 't> {
         }
     }
 
-    /// The entry of a name; `None` if the token is not a name.
+    /// The entry that begins with `key`; `None` if the token is not a name.
     fn entry(&mut self, key: Token<'t>, depth: usize) -> Result<Option<Entry<'t>>, SceneError> {
         let after = self.tokens.next_if(|token| matches!(token.text, "=" | "{"));
         let brace = match after {

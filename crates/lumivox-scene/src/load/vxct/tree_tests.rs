@@ -75,7 +75,7 @@ fn excessive_nesting_and_entries_are_refused() {
     assert!(read_text(&deepest).is_ok());
     let fault = read_text(&"a = b ".repeat(MOST_ENTRIES + 1)).unwrap_err();
     assert!(fault.contains("found name 1048577 of the file, expected at most 1048576"), "{fault}");
-    // Messages stay short.
+    // Long tokens are shortened in messages.
     let long = "x".repeat(1 << 20);
     let (_, warnings) = read_text(&long).unwrap();
     assert!(warnings[0].len() < 200);
@@ -105,7 +105,7 @@ fn nodes() -> impl Strategy<Value = Vec<Node>> {
     prop::collection::vec(node, 0..6)
 }
 
-/// Appends white space as the seed has it, and draws a coin.
+/// Appends random white space, and returns a random bit.
 fn space(seed: &mut u64, text: &mut String) -> bool {
     // Knuth 1998, "The art of computer programming", volume 2, section 3.3.4, table 1.
     *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);

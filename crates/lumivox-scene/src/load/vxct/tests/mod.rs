@@ -26,14 +26,14 @@ fn load(text: &str) -> Result<Scene, SceneError> {
     load_from("scenes/a.scene", text, &["models/tri.obj"])
 }
 
-/// The scene of a body, and the warnings.
+/// The scene with this text in its block, and the warnings.
 fn body(text: &str) -> (Scene, Vec<String>) {
     let scene = load(&format!("scene {{ {text} }}")).unwrap();
     let warnings = scene.notes.warnings.clone();
     (scene, warnings)
 }
 
-/// A scene of one cube, with more in its block.
+/// A scene of one cube with this text in the model's block.
 fn cube(text: &str) -> (Scene, Vec<String>) {
     body(&format!("model {{ primitive = cube {text} }}"))
 }
@@ -68,7 +68,7 @@ fn a_model_has_defaults() {
     assert_eq!(phong(&scene), expected);
     let strengths = Strengths { is_rounded: true, ..Strengths::default() };
     assert_eq!(scene.materials[0].strengths, Some(strengths));
-    // The cube is flat: each normal lies along an axis.
+    // The cube is flat: each normal is along an axis.
     assert!(scene.meshes[0].normals.iter().all(|n| n.abs().max_element() == 1.0));
 }
 
@@ -125,7 +125,7 @@ fn the_matrix_is_t_rx_ry_rz_s_sxyz() {
         * Mat4::from_scale(Vec3::new(2.0, 3.0, 4.0));
     let matrix = scene.instances[0].world_from_local;
     assert!(matrix.abs_diff_eq(expected, 1e-5), "{matrix} {expected}");
-    // Not the other way round: about x first, y would go to z and from there to x.
+    // In the opposite order, about x first, y would become z, and then x.
     let (scene, _) = cube("rotation { x = 90 y = 90 z = 0 }");
     let turned = scene.instances[0].world_from_local.transform_vector3(Vec3::Y);
     assert!(turned.abs_diff_eq(Vec3::Z, 1e-6), "{turned}");

@@ -1,4 +1,4 @@
-//! Models: their files, and where they are looked for.
+//! The search for the files of models.
 
 use super::*;
 
@@ -23,7 +23,7 @@ fn models_are_searched_in_vxct_and_common_folders() {
         let text = format!("scene {{ model {{ path = {path} }} }}");
         load_from(name, &text, &[file]).unwrap().instances.len() == 1
     };
-    // As VXCT does: from the folder above `scenes`.
+    // In the folder above `scenes`, as VXCT does.
     assert!(found("scenes/a.scene", "models/tri.obj", "models/tri.obj"));
     assert!(found("a/b/Scenes/a.scene", "models/tri.obj", "a/b/models/tri.obj"));
     assert!(found("scenes/a.scene", "meshes/tri.obj", "meshes/tri.obj"));
@@ -33,11 +33,11 @@ fn models_are_searched_in_vxct_and_common_folders() {
     assert!(found("stuff/a.scene", "models/tri.obj", "stuff/models/tri.obj"));
     // In the folder `models` beside `scenes`.
     assert!(found("scenes/a.scene", "tri.obj", "models/tri.obj"));
-    // As other systems spell it.
+    // Spelled as on other systems.
     assert!(found("scenes/a.scene", "Models\\TRI.obj", "models/tri.obj"));
     assert!(found("scenes/a.scene", "C:\\vxct\\models\\tri.obj", "models/tri.obj"));
     assert!(found("scenes/a.scene", "../models/tri.obj", "models/tri.obj"));
-    // Not above a folder of another name.
+    // Not in the folder above one with another name.
     assert!(!found("stuff/a.scene", "models/tri.obj", "models/tri.obj"));
     assert!(!found("scenes/a.scene", "../../tri.obj", "../tri.obj"));
 }
@@ -61,7 +61,7 @@ fn models_without_a_mesh_are_skipped_with_a_warning() {
          model { name = c } model { primitive = cube } model { path = models/tri.png }",
     );
     assert_eq!(scene.instances.len(), 1);
-    // Numbers count all models.
+    // Models are numbered including those that are not shown.
     assert_eq!(scene.instances[0].name, "model 4");
     let place = "put it beside the scene, or into the folder `models` beside the folder `scenes`";
     let expected = [
