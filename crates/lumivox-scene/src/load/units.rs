@@ -130,7 +130,7 @@ mod tests {
         let lamp = scene.lights.last().unwrap();
         assert_eq!(lamp.position, Vec3::new(0.5, 1.5, -1.0));
         assert_eq!(lamp.radius_m, 0.25);
-        // The same share of light arrives at the same point, which is half as far away.
+        // Gives the same share of light at the same point, which is half as far away.
         let attenuation = Attenuation { constant: 1.0, linear: 1.0, quadratic: 12.0 };
         assert_eq!(lamp.attenuation, Some(attenuation));
         let grid = Bounds { min: Vec3::new(-0.5, -0.5, -1.0), max: Vec3::new(0.5, 1.5, 0.5) };

@@ -1,11 +1,11 @@
 //! Picking by rays: which instance and triangle a ray hits, and where.
 //!
-//! Each mesh is stored once, in its local space, as runs of 32 triangles in the file's order, in
-//! which most are neighbours on the surface; a hierarchy of boxes (`obvhs`) is built over the runs.
-//! A ray is transformed to the space of each instance. This takes 24 bytes a triangle if triangles
-//! share vertices (85 if none does), 10 million triangles are ready in a second, and a scene in
-//! motion only pays for its instances. Triangles are tested in 64 bits (Möller and Trumbore 1997,
-//! "Fast, minimum storage ray/triangle intersection").
+//! Each mesh is stored once, in its local space, as runs of 32 triangles in the file's order,
+//! mostly neighbours on the surface, in a hierarchy of boxes (`obvhs`). A ray is transformed to the
+//! space of each instance. This takes 24 bytes a triangle if triangles share vertices (85 if none
+//! do), and a second for 10 million triangles; a scene in motion only pays for its instances.
+//! Triangles are tested in 64 bits (Möller and Trumbore 1997, "Fast, minimum storage ray/triangle
+//! intersection").
 
 mod shape;
 #[cfg(test)]
@@ -16,14 +16,15 @@ use glam::{DMat4, DVec3, IVec3, Mat3, Mat4, Vec3};
 use crate::Scene;
 use shape::{Hit, Shape, Sides};
 
-/// The triangles of a scene, prepared for rays on the CPU; made once for each state of the scene.
+/// The triangles of a scene, prepared for rays on the CPU. Make a new one after each change of the
+/// scene.
 pub struct Picker {
     /// A shape for each mesh; `None` if no instance shows it.
     shapes: Vec<Option<Shape>>,
     placed: Vec<PlacedShape>,
 }
 
-/// An instance.
+/// An instance that is not hidden.
 #[derive(Debug)]
 struct PlacedShape {
     instance: usize,
@@ -38,8 +39,8 @@ struct PlacedShape {
 pub struct Pick {
     /// Index into [`Scene::instances`].
     pub instance: usize,
-    /// The number of the triangle in the instance's mesh: its vertices are those at three times
-    /// this number.
+    /// The number of the triangle in the instance's mesh: its indices begin at three times this
+    /// number.
     pub triangle: usize,
     /// The point that was hit, in the world, m.
     pub position: Vec3,
@@ -73,7 +74,8 @@ impl Picker {
             *is_shown = true;
             let local_from_world = placed.world_from_local.as_dmat4().inverse();
             let material = scene.materials.get(placed.material);
-            // Fronts are counter-clockwise in the world; a mirror swaps that for the local space.
+            // Fronts are counter-clockwise in the world; if the transform mirrors, clockwise in
+            // local space.
             let sides = if material.is_some_and(|material| material.double_sided) {
                 Sides::Both
             } else if local_from_world.determinant() < 0.0 {
@@ -95,8 +97,8 @@ impl Picker {
     }
 
     /// The first surface on a ray that a picture shows: rays pass the backs of single-sided
-    /// surfaces, as in pictures. They do not pass the holes of masks, nor glass: a pane or a leaf
-    /// is hit everywhere. `direction` need not have unit length; a zero direction hits nothing.
+    /// surfaces, as in pictures. Masks and glass do not let rays pass: a leaf or a pane is hit
+    /// everywhere. `direction` need not have unit length; a zero direction hits nothing.
     ///
     /// If several surfaces are at the same position, the first instance is returned.
     pub fn pick(&self, origin: Vec3, direction: Vec3) -> Option<Pick> {
@@ -114,9 +116,9 @@ impl Picker {
         Some(hit.distance as f32)
     }
 
-    /// Whether a point is inside something solid: of 14 rays in all directions, at least 11 first
-    /// hit the back of a single-sided surface, or at least 8 if all rays hit something: below a
-    /// thing on a ground, rays hit the front of the ground.
+    /// Whether a point is inside something solid: of 14 rays in all directions, at least 11 hit the
+    /// back of a single-sided surface, or at least 8 if all hit something (in a thing on a ground,
+    /// rays downwards hit the ground's front).
     pub fn is_inside(&self, at: Vec3) -> bool {
         let steps = [-1, 0, 1];
         let all = steps.iter().flat_map(|x| steps.iter().map(move |y| (x, y)));
@@ -146,8 +148,7 @@ impl Picker {
         let mut nearest: Option<(&PlacedShape, Hit)> = None;
         for placed in &self.placed {
             let Some(shape) = &self.shapes[placed.mesh] else { continue };
-            // The local direction does not have unit length, so that distances are those of the
-            // world.
+            // The local direction is not normalised, so that distances are in world units.
             let local = (
                 placed.local_from_world.transform_point3(origin),
                 placed.local_from_world.transform_vector3(direction),
@@ -162,7 +163,7 @@ impl Picker {
 }
 
 impl PlacedShape {
-    /// The direction, in the world, that the front of the hit triangle faces.
+    /// The unit normal of the front of the hit triangle, in the world.
     fn front_of(&self, shape: &Shape, hit: Hit) -> DVec3 {
         let corners = shape
             .corners(hit.triangle)
@@ -176,7 +177,7 @@ impl PlacedShape {
         let front = self.front_of(shape, hit);
         let is_front = front.dot(direction) <= 0.0;
         let towards = |normal: DVec3| if is_front { normal } else { -normal };
-        // As the renderer does: by the inverse transpose, with the determinant's sign.
+        // By the inverse transpose, with the determinant's sign, as in the renderer.
         let normal_from_local =
             Mat3::from_mat4(self.world_from_local).as_dmat3().inverse().transpose();
         let smooth = normal_from_local * shape.normal(hit).as_dvec3();

@@ -1,4 +1,4 @@
-//! One mesh, in its own space, under a hierarchy of boxes.
+//! One mesh, in its local space, in a hierarchy of boxes.
 
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -11,16 +11,16 @@ use crate::Mesh;
 /// Triangles of one leaf: boxes then take 1 byte a triangle, and a ray tests a few hundred
 /// triangles.
 const RUN: usize = 32;
-/// Padding of the boxes, in a space whose half edge is 1; corners and rays are rounded to 1e-7 of
-/// that.
+/// Padding of the boxes, in units of half the mesh's longest edge; corners and rays are rounded to
+/// 1e-7 of that.
 const PADDING: f32 = 1e-5;
-/// The farthest start of a ray from the centre of that space, whose corners are at sqrt(3).
+/// The farthest start of a ray from the centre, in the same units; the corners are at sqrt(3).
 const REACH: f64 = 2.0;
 
 /// The triangles of a mesh.
 pub(super) struct Shape {
     positions: Vec<Vec3>,
-    /// One per position, or empty.
+    /// One normal per position, or empty.
     normals: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     bvh: Bvh2,
@@ -36,7 +36,7 @@ pub(super) enum Sides {
     Clockwise,
 }
 
-/// The point at which a ray hits a triangle.
+/// A hit of a ray on a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Hit {
     pub(super) triangle: usize,
@@ -52,7 +52,7 @@ impl Shape {
         let is_there = |corner: &usize| *corner < mesh.positions.len();
         let triangles: Vec<[u32; 3]> = mesh
             .triangles()
-            // An invalid scene must not break anything.
+            // Invalid indices become an empty triangle.
             .map(|triangle| if triangle.iter().all(is_there) { triangle } else { [0; 3] })
             .map(|triangle| triangle.map(|corner| corner as u32))
             .collect();
@@ -84,7 +84,7 @@ impl Shape {
         };
         let boxes: Vec<Aabb> = triangles.chunks(RUN).map(boxed).collect();
         let order: Vec<u32> = (0..boxes.len() as u32).collect();
-        // The crate's own helper reads the clock, which browsers do not have.
+        // The crate's helper reads a clock that browsers do not have.
         let bvh =
             PlocBuilder::new().build(PlocSearchDistance::Low, &boxes, order, SortPrecision::U64, 2);
         let has_normals = mesh.normals.len() == mesh.positions.len();
@@ -100,8 +100,8 @@ impl Shape {
         sides: Sides,
         limit: f64,
     ) -> Option<Hit> {
-        // In the space of the boxes, from a start near them: 32 bits are enough there, however far
-        // the eye is.
+        // The ray in the space of the boxes, from a start near them, so that 32 bits are enough for
+        // distant eyes.
         let length = direction.length() / self.half;
         let towards = direction.try_normalize()?;
         let from = (origin - self.center) / self.half;
@@ -111,7 +111,7 @@ impl Shape {
         if reach < 0.0 || !start.is_finite() {
             return None;
         }
-        // Slightly more than the distance: rounding must not separate equal hits.
+        // Slightly more than the distance, so that rounding does not separate equal hits.
         let bounded = |reach: f64| (reach * (1.0 + 1e-6) + f64::from(PADDING)) as f32;
         let ray = Ray::new(start, towards.as_vec3a(), 0.0, bounded(reach));
         let mut nearest: Option<Hit> = None;
@@ -136,7 +136,7 @@ impl Shape {
         let [a, b, c] = self.corners(triangle);
         let (to_b, to_c) = (b - a, c - a);
         let across = direction.cross(to_c);
-        // Positive where the triangle is counter-clockwise as the ray sees it.
+        // Positive if the triangle is counter-clockwise as seen by the ray.
         let determinant = to_b.dot(across);
         let is_wanted = match sides {
             Sides::Both => determinant != 0.0,

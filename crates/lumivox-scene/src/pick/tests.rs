@@ -31,8 +31,8 @@ fn brute_force(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<(usize, u
     nearest
 }
 
-/// How far a place is from the nearest edge of its triangle, relative to the triangle's size:
-/// there, two ways to compute may take different triangles.
+/// Whether a point is close to an edge of its triangle, where two algorithms may find different
+/// triangles.
 fn is_near_an_edge(scene: &Scene, (instance, triangle, _): (usize, usize, f64), at: Vec3) -> bool {
     let placed = &scene.instances[instance];
     let mesh = &scene.meshes[placed.mesh];
@@ -55,7 +55,7 @@ fn assert_agrees(scene: &Scene, picker: &Picker, origin: Vec3, direction: Vec3) 
     let expected = brute_force(scene, origin, direction);
     let found = picker.pick(origin, direction);
     let (Some(expected), Some(found)) = (expected, found) else {
-        // A hair's breadth decides whether an outermost edge is met.
+        // Rounding decides whether a ray hits an outermost edge.
         let at =
             origin.as_dvec3() + expected.map_or(0.0, |e| e.2) * direction.as_dvec3().normalize();
         let is_excused = expected.is_some_and(|e| is_near_an_edge(scene, e, at.as_vec3()))
@@ -159,7 +159,7 @@ fn picking_in_built_in_scenes_matches_a_loop() {
     }
 }
 
-/// A square of edge 2 around the origin, seen from +z; its normals lean to +x.
+/// A square of edge 2 around the origin that faces +z; its vertex normals lean towards +x.
 fn square(double_sided: bool, world_from_local: Mat4) -> Scene {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let mesh = Mesh {
@@ -185,7 +185,7 @@ fn square(double_sided: bool, world_from_local: Mat4) -> Scene {
 
 #[test]
 fn hits_are_reported_in_world_coordinates() {
-    // Twice as wide: the triangle's normal stays, the vertices' normals turn by the inverse
+    // Scaled by 2 along x: the triangle's normal stays, vertex normals rotate by the inverse
     // transpose.
     let place = Mat4::from_translation(Vec3::new(5.0, 0.0, -2.0))
         * Mat4::from_scale(Vec3::new(2.0, 1.0, 1.0));
@@ -207,7 +207,7 @@ fn rays_pass_backs_of_single_sided_surfaces() {
     let pick = Picker::new(&square(true, Mat4::IDENTITY)).pick(behind, Vec3::Z).unwrap();
     assert_eq!(pick.normal, Vec3::NEG_Z);
     assert!(pick.shading_normal.abs_diff_eq(Vec3::new(-0.6, 0.0, -0.8), 1e-6));
-    // The loader turns the winding of mirrored meshes, so that the front stays in front.
+    // The loader reverses the winding of mirrored meshes, so that the front stays in front.
     let mut mirrored = square(false, Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0)));
     mirrored.meshes[0].flip_winding();
     let picker = Picker::new(&mirrored);
@@ -238,14 +238,13 @@ fn is_inside_distinguishes_solids_from_rooms() {
     let standing = Picker::new(&standing);
     assert!(standing.is_inside(Vec3::new(0.3, -0.5, 0.2)), "in what stands on a ground");
     assert!(!standing.is_inside(Vec3::new(1.5, -0.5, 0.2)), "beside it");
-    // Nothing is inside of what has two sides.
+    // No point is inside double-sided surfaces.
     let mut two_sided = scene.clone();
     two_sided.materials.iter_mut().for_each(|material| material.double_sided = true);
     assert!(!Picker::new(&two_sided).is_inside(block(&scene)), "in a block of sheets");
 }
 
-/// The middle of a block: half way down from the highest point below the lamp that a ray meets
-/// beside the floor.
+/// The middle of a block: half-way between the floor and the highest surface below the lamp.
 fn block(scene: &Scene) -> Vec3 {
     let picker = Picker::new(scene);
     let (low, size) = (scene.bounds().min, scene.bounds().size());
@@ -274,8 +273,7 @@ fn rays_ignore_hidden_instances() {
     assert_eq!(meet(&scene), None);
 }
 
-/// The first of several surfaces in one place counts, so that an answer does not depend on how
-/// boxes are built.
+/// The first of coincident surfaces is hit, so that results do not depend on the hierarchy.
 #[test]
 fn of_coincident_surfaces_the_first_is_hit() {
     let mut scene = square(false, Mat4::IDENTITY);
@@ -289,7 +287,7 @@ fn of_coincident_surfaces_the_first_is_hit() {
 fn tiny_objects_are_hit_from_far_away() {
     for size_m in [1e-4_f32, 1.0, 1e5] {
         let picker = Picker::new(&square(false, Mat4::from_scale(Vec3::splat(size_m))));
-        // As far as a pixel's ray in f32 resolves a thousandth of the thing.
+        // At this distance, an f32 ray still resolves a thousandth of the thing.
         let origin = Vec3::new(0.25, 0.125, 4096.0) * size_m;
         let pick = picker.pick(origin, Vec3::NEG_Z).unwrap();
         assert!((pick.distance_m / size_m - 4096.0).abs() < 1e-3);

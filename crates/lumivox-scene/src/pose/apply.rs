@@ -72,10 +72,9 @@ impl Rig {
         Ok(())
     }
 
-    /// Drops the deformation data of meshes that no animation deforms: they have their final shape
-    /// now.
+    /// Drops the deformation data of meshes that no animation deforms: their shape is final.
     fn drop_what_never_moves(&mut self) {
-        // The rig is new: nothing else owns its parts.
+        // The rig is new, so nothing else owns its parts.
         let Some(parts) = Arc::get_mut(&mut self.parts) else { return };
         let moves = moving(&parts.nodes, &parts.animations);
         let weighs = weighing(parts.nodes.len(), &parts.animations);
@@ -87,7 +86,7 @@ impl Rig {
         });
     }
 
-    /// Applies a transform to everything from now on.
+    /// Appends a transform to `world_from_file`, for all later poses.
     pub(crate) fn transform(&mut self, world_from_world: Mat4) {
         self.world_from_file = world_from_world * self.world_from_file;
     }
@@ -100,7 +99,7 @@ impl Rig {
     }
 }
 
-/// Whether an animation moves the weights of each node's morph targets.
+/// For each node, whether an animation changes the weights of its morph targets.
 pub(crate) fn weighing(nodes: usize, animations: &[Animation]) -> Vec<bool> {
     let mut weighs = vec![false; nodes];
     for channel in animations.iter().flat_map(|animation| &animation.channels) {
@@ -154,7 +153,7 @@ fn deform(
     Ok(())
 }
 
-/// Updates the scene's first instances. While the same ones are visible, their indices stay.
+/// Updates the scene's first instances. Indices stay while the set of visible instances does.
 fn place_instances(
     rig: &mut Rig,
     parts: &Parts,
@@ -173,8 +172,8 @@ fn place_instances(
             continue;
         };
         let mirrors = world_from_local.as_dmat4().determinant() < 0.0;
-        // Rounding may flip the determinant's sign of transforms that are almost flat: never hide
-        // those.
+        // Rounding may flip the sign of the determinant of almost flat transforms, which must stay
+        // visible.
         let mesh = if mirrors { mirrored.or(upright) } else { upright.or(mirrored) };
         let Some(mesh) = mesh else { continue };
         if scene.meshes.get(mesh).is_some_and(|mesh| !mesh.indices.is_empty()) {

@@ -2,15 +2,15 @@
 //!
 //! Each target adds its displacements times its weight. Then each vertex is moved by the weighted
 //! mean of its joints' matrices M: positions by M, tangents by M's linear part, normals by the
-//! inverse transpose of that. The inverse transpose is M's cofactors over its determinant, of which
-//! only the sign matters for a direction: cofactors exist for flattening matrices, too. Tangents
-//! are made orthogonal to their normals again.
+//! inverse transpose of that. The inverse transpose is the cofactors divided by the determinant, of
+//! which only the sign matters for a direction; cofactors also exist for matrices that flatten.
+//! Tangents are made orthogonal to their normals again.
 //!
 //! Meshes whose file has no normals are flat: each triangle has its own three consecutive vertices,
 //! and gets the normal of its deformed plane.
 //!
-//! If M mirrors, the triangles' winding is reversed, so that their fronts stay their fronts, and
-//! the signs of their bitangents with it.
+//! If M mirrors, the winding of the triangles is reversed, so that front sides stay front sides,
+//! and the signs of bitangents, too.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -21,8 +21,8 @@ use crate::Mesh;
 use crate::model::any_tangent;
 use crate::validate::has_area;
 
-/// Vertices in one thread's chunk; a multiple of three, so that flat triangles stay together. About
-/// 200 kB of data, which fits the caches.
+/// Vertices in one thread's chunk: a multiple of three, so that flat triangles are not divided. Its
+/// 200 kB fit into caches.
 const CHUNK: usize = 3 << 10;
 
 /// One of the scene's meshes, and the joints and targets that move its vertices.
@@ -30,12 +30,12 @@ const CHUNK: usize = 3 << 10;
 pub(crate) struct Deformed {
     /// Index into the scene's meshes.
     pub(crate) mesh: usize,
-    /// The node whose weights act on the targets.
+    /// The node that has the weights of the targets.
     pub(crate) node: usize,
-    /// Index into the rig's skins.
+    /// Index into the rig's skins; `None` without bones.
     pub(crate) skin: Option<usize>,
     pub(crate) base: Base,
-    /// One per weight of the node; those that never act may be empty.
+    /// One target per weight of the node; targets whose weight is always zero may be empty.
     pub(crate) targets: Vec<Target>,
     /// The influences of joints; empty without a skin.
     pub(crate) influences: Influences,
@@ -48,16 +48,17 @@ pub(crate) struct Base {
     pub(crate) normals: Vec<Vec3>,
     pub(crate) tangents: Vec<Vec4>,
     pub(crate) indices: Vec<u32>,
-    /// Whether normals are those of the triangles' planes; then vertices come in threes.
+    /// `true` if normals are those of the triangles' planes; each triangle then has its own three
+    /// vertices.
     pub(crate) is_flat: bool,
 }
 
 /// The vertices that a morph target displaces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Target {
-    /// Vertex numbers, rising.
+    /// Vertex numbers, ascending.
     pub(crate) vertices: Vec<u32>,
-    /// One displacement for each of those vertices.
+    /// A displacement for each of `vertices`.
     pub(crate) positions: Vec<Vec3>,
     /// One per vertex, or empty.
     pub(crate) normals: Vec<Vec3>,
@@ -68,7 +69,7 @@ pub(crate) struct Target {
 /// The joints that move each vertex, with weights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Influences {
-    /// The number of joints per vertex; unused ones have no weight.
+    /// The number of joints per vertex; unused joints have weight zero.
     pub(crate) per_vertex: usize,
     /// Indices into the skin's joints.
     pub(crate) joints: Vec<u16>,
@@ -76,9 +77,9 @@ pub(crate) struct Influences {
     pub(crate) weights: Vec<f32>,
 }
 
-/// A piece of the mesh being made.
+/// A range of vertices of the deformed mesh.
 struct Chunk<'a> {
-    /// The number of its first vertex.
+    /// The number of the first vertex.
     first: usize,
     positions: &'a mut [Vec3],
     normals: &'a mut [Vec3],
@@ -131,7 +132,7 @@ impl Deformed {
         true
     }
 
-    /// Copies a piece of the base and displaces it.
+    /// Copies a chunk of the base and displaces it.
     fn morph(&self, weights: &[f32], chunk: &mut Chunk<'_>) {
         let (first, end) = (chunk.first, chunk.first + chunk.positions.len());
         chunk.positions.copy_from_slice(&self.base.positions[first..end]);
@@ -162,7 +163,7 @@ impl Deformed {
         }
         if self.base.is_flat {
             flatten(chunk, |_| false);
-            // A corner that moves turns the normals of the other two.
+            // A corner that moves also changes the normals of the other two.
             is_touched.fill(true);
         }
         for (vertex, _) in is_touched.iter().enumerate().filter(|(_, touched)| **touched) {
@@ -172,7 +173,7 @@ impl Deformed {
         }
     }
 
-    /// Moves a piece by its joints, and returns whether any vertex was mirrored.
+    /// Moves a chunk by its joints, and returns whether any vertex was mirrored.
     fn skin(&self, joints: &[Affine3A], chunk: &mut Chunk<'_>) -> bool {
         let mut mirrors = false;
         for vertex in 0..chunk.positions.len() {
@@ -183,7 +184,7 @@ impl Deformed {
             let sign = if determinant < 0.0 { -1.0 } else { 1.0 };
             let normal = Vec3A::from(chunk.normals[vertex]);
             let turned = Vec3::from(cofactors * normal * sign);
-            // A bone without size leaves no direction; its triangles then have no area either.
+            // A bone of size zero leaves no normal; its triangles have no area.
             let normal = unit_or(turned, chunk.normals[vertex]);
             let tangent = chunk.tangents[vertex];
             let along = Vec3::from(linear * Vec3A::from(tangent.truncate()));
@@ -201,7 +202,7 @@ impl Deformed {
         mirrors
     }
 
-    /// The weighted mean of a vertex's joints.
+    /// The weighted mean of the matrices of a vertex's joints.
     fn matrix(&self, joints: &[Affine3A], vertex: usize) -> Affine3A {
         let Influences { per_vertex, joints: chosen, weights } = &self.influences;
         let range = vertex * per_vertex..(vertex + 1) * per_vertex;
@@ -220,7 +221,7 @@ impl Deformed {
         cofactors(self.matrix(joints, vertex).matrix3).1 < 0.0
     }
 
-    /// Reverses triangles most of whose corners are mirrored.
+    /// Reverses triangles with at least two mirrored corners.
     fn turn_mirrored(&self, joints: &[Affine3A], mesh: &mut Mesh) {
         mesh.indices.par_chunks_exact_mut(3).for_each(|triangle| {
             let corners = triangle.iter().filter(|&&v| self.mirrors(joints, v as usize)).count();
@@ -231,8 +232,8 @@ impl Deformed {
     }
 }
 
-/// The matrix that transforms normals, up to the determinant's sign and some factor, and the
-/// determinant, up to some positive factor.
+/// The matrix that transforms normals, up to a factor and the determinant's sign; and the
+/// determinant, up to a positive factor.
 fn cofactors(m: Mat3A) -> (Mat3A, f32) {
     let plain = |m: Mat3A| {
         let x = m.y_axis.cross(m.z_axis);
@@ -243,13 +244,13 @@ fn cofactors(m: Mat3A) -> (Mat3A, f32) {
     if determinant.is_normal() {
         return (cofactors, determinant);
     }
-    // Products of three overflow long before their factors do, and vanish as early.
+    // Products of three numbers overflow or underflow long before their factors do.
     let largest = m.to_cols_array().into_iter().fold(0.0_f32, |largest, x| largest.max(x.abs()));
     if largest.is_normal() { plain(m * largest.recip()) } else { (cofactors, 0.0) }
 }
 
-/// Gives each three vertices the normal of their plane, reversed if `is_mirrored` says so for a
-/// vertex's number. Triangles without area keep theirs.
+/// Gives every three vertices the normal of their plane, reversed if `is_mirrored` is true for the
+/// first vertex's number. Triangles without area keep their normals.
 fn flatten(chunk: &mut Chunk<'_>, is_mirrored: impl Fn(usize) -> bool) {
     let corners = chunk.positions.chunks_exact(3).zip(chunk.normals.chunks_exact_mut(3));
     for (i, (positions, normals)) in corners.enumerate() {
@@ -260,7 +261,7 @@ fn flatten(chunk: &mut Chunk<'_>, is_mirrored: impl Fn(usize) -> bool) {
     }
 }
 
-/// The vector at unit length; `fallback` where it has no direction.
+/// The vector at unit length; `fallback` if it has no direction.
 fn unit_or(v: Vec3, fallback: Vec3) -> Vec3 {
     let squared = v.length_squared();
     if squared > 1e-30 && squared < 1e30 {
@@ -275,7 +276,7 @@ fn orthogonal(tangent: Vec4, normal: Vec3) -> Vec4 {
     let given = tangent.truncate();
     let along = given - normal * normal.dot(given);
     let squared = along.length_squared();
-    // Below a share of 1e-5 of its length, rounding decides where it points.
+    // If less than a share of 1e-5 of the length is left, rounding decides its direction.
     if squared > 1e-30 && squared < 1e30 && squared > 1e-10 * given.length_squared() {
         return (along / squared.sqrt()).extend(tangent.w);
     }
@@ -291,7 +292,7 @@ fn orthogonal(tangent: Vec4, normal: Vec3) -> Vec4 {
 fn drop_flat(mesh: &mut Mesh) {
     let positions = &mesh.positions;
     let is_seen = |t: &[u32]| has_area_fast([t[0], t[1], t[2]].map(|i| positions[i as usize]));
-    // Most meshes have none: checking on all cores costs less than moving all.
+    // Most meshes have none: checking on all cores costs less than copying all triangles.
     let blocks = mesh.indices.par_chunks(3 * CHUNK);
     if blocks.all(|block| block.chunks_exact(3).all(is_seen)) {
         return;
@@ -300,7 +301,7 @@ fn drop_flat(mesh: &mut Mesh) {
     mesh.indices = triangles.flat_map_iter(|t| t.iter().copied()).collect();
 }
 
-/// As [`has_area`], which decides only where f32 cannot.
+/// As [`has_area`], which is only called if f32 cannot decide.
 fn has_area_fast(corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners;
     let (u, v) = (b - a, c - a);
@@ -318,7 +319,7 @@ mod tests {
     #[test]
     fn normals_turn_correctly_for_bones_of_any_scale() {
         for size in [1e-30_f32, 1e-14, 1.0, 1e14, 1e30] {
-            // A quarter about z, mirrored along x, twice as long along y.
+            // Rotated by 90 degrees about z, mirrored along x, doubled along y.
             let m =
                 Mat3A::from_cols(Vec3A::NEG_Y * size, Vec3A::NEG_X * (2.0 * size), Vec3A::Z * size);
             let (cofactors, determinant) = cofactors(m);

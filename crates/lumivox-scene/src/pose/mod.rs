@@ -48,9 +48,9 @@ pub struct AnimationInfo {
 /// The animation that [`Scene::pose`] plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AnimationChoice {
-    /// The one of this number in [`Scene::animations`].
+    /// The animation of this index in [`Scene::animations`].
     One(usize),
-    /// All at once. If two move the same property, the later one in the list counts.
+    /// All animations at once. If two move the same property, the later one in the list wins.
     All,
 }
 
@@ -60,11 +60,12 @@ pub struct Rig {
     parts: Arc<Parts>,
     /// The product of all calls of [`Scene::transform`] since loading.
     world_from_file: Mat4,
-    /// The parts' instances that are the scene's first instances; the others are hidden.
+    /// Indices of the rig's instances that are now the scene's first instances; the others are left
+    /// out.
     shown: Vec<usize>,
-    /// Whether the lights, or the cameras, are no longer the file's; poses then leave them where
-    /// they are.
+    /// `true` if the lights are no longer the file's; poses then do not move them.
     has_own_lights: bool,
+    /// As `has_own_lights`, for cameras.
     has_own_cameras: bool,
 }
 
@@ -93,7 +94,7 @@ impl Scene {
     }
 
     /// Replaces the lights. If the file's lights still come first, matched by name, poses continue
-    /// to move them; otherwise poses leave all lights where they are from now on.
+    /// to move them; otherwise later poses do not move any lights.
     pub fn replace_lights(&mut self, lights: Vec<Light>) {
         if let Some(rig) = &mut self.rig {
             let moved = self.lights.iter().take(rig.parts.lights.len()).map(|light| &light.name);
@@ -113,30 +114,29 @@ impl Scene {
     }
 
     /// Shows the scene `time_s` seconds into an animation. Times before 0 show its start, times
-    /// beyond its duration its end; nothing repeats.
+    /// beyond its duration its end; it does not repeat.
     ///
-    /// Changes transforms and meshes of instances, places of lights and cameras, and positions,
-    /// normals, tangents and triangles of meshes that bones or morph targets deform. Everything
-    /// that the animation does not move is as in the file. While an instance's transform scales two
-    /// axes to zero, or its triangles have no area, the instance is left out of
-    /// [`Scene::instances`]. Meshes keep their indices; one without a visible triangle stays in the
-    /// list, empty.
+    /// Changes transforms and meshes of instances, positions and directions of lights and cameras,
+    /// and positions, normals, tangents and triangles of meshes that bones or morph targets deform.
+    /// Everything that the animation does not move is as in the file. While an instance's transform
+    /// scales two axes to zero, or its triangles have no area, the instance is left out of
+    /// [`Scene::instances`]. Meshes keep their indices; a mesh without visible triangles stays in
+    /// the list, empty.
     ///
-    /// The rig's instances, lights and cameras are the first of their lists: append others behind
-    /// them, and posing does not change those. Without a rig nothing moves:
-    /// [`AnimationChoice::All`] then does nothing.
+    /// The rig's instances, lights and cameras are the first of their lists: posing does not change
+    /// others that you append. Without a rig, [`AnimationChoice::All`] does nothing.
     ///
     /// # Errors
     /// [`SceneError::UnknownAnimation`] for a number beyond the list, [`SceneError::OutOfRange`]
     /// for a NaN time, [`SceneError::NotFinite`] if transforms overflow, and
-    /// [`SceneError::NothingAtTime`] if no triangle is left. After the last two the scene must be
-    /// posed again before it is used.
+    /// [`SceneError::NothingAtTime`] if no triangle is left. After the last two errors, pose the
+    /// scene again before use.
     pub fn pose(&mut self, animation: AnimationChoice, time_s: f32) -> Result<(), SceneError> {
         apply::pose(self, animation, time_s)
     }
 }
 
-/// Whether a list begins with the items of another.
+/// Whether a list begins with the items of `start`.
 fn begins_with<'a>(
     mut list: impl Iterator<Item = &'a String>,
     mut start: impl Iterator<Item = &'a String>,

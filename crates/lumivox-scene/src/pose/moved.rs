@@ -4,7 +4,7 @@ use glam::Mat4;
 
 use crate::{Instance, Light, Scene};
 
-/// The transforms of a scene's parts, to be compared with later ones.
+/// The transforms of a scene's parts, for comparison with later ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Places {
     /// The transform of each instance, whether it is hidden, and its mesh.
@@ -15,12 +15,12 @@ pub struct Places {
 /// The parts of a scene that have moved from one pose to another.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Moved {
-    /// Whether meshes or the list of instances may differ, so that everything must be checked
+    /// `true` if meshes or the list of instances may differ, so that everything must be checked
     /// again.
     pub shapes: bool,
     /// The numbers of the instances that differ, in order; empty if `shapes` is true.
     pub instances: Vec<usize>,
-    /// Whether any light differs.
+    /// `true` if any light differs.
     pub lights: bool,
 }
 
@@ -33,8 +33,8 @@ impl Places {
         }
     }
 
-    /// The parts of the same scene that have moved since. Meshes that an animation deforms always
-    /// count as moved.
+    /// The parts of the same scene that have moved since then. Meshes that an animation deforms
+    /// always count as moved.
     pub fn moved(&self, now: &Scene) -> Moved {
         let lights = self.lights != now.lights;
         if now.is_deformed() || self.instances.len() != now.instances.len() {

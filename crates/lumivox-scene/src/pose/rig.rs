@@ -1,4 +1,4 @@
-//! The moving data: the tree of nodes, the animations' channels, and the things on the nodes.
+//! The data of animations: the tree of nodes, the channels, and the things on the nodes.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use super::deform::Deformed;
 use super::sampler::Track;
 use crate::Instance;
 
-/// All data of posing that never changes.
+/// The data of posing that never change.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Parts {
     /// The file's name, for messages.
@@ -21,17 +21,18 @@ pub(crate) struct Parts {
     /// Meshes whose vertices move.
     pub(crate) deformed: Vec<Deformed>,
     pub(crate) instances: Vec<Placed>,
-    /// The nodes of the scene's first lights and cameras.
+    /// The nodes of the scene's first lights.
     pub(crate) lights: Vec<usize>,
+    /// The nodes of the scene's first cameras.
     pub(crate) cameras: Vec<usize>,
 }
 
 /// A node of the tree.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Node {
-    /// Its name, for messages.
+    /// The node's name, for messages.
     pub(crate) name: Arc<str>,
-    /// Its parent, which comes before it.
+    /// The index of its parent, which comes before it.
     pub(crate) parent: Option<usize>,
     /// Its transform at rest.
     pub(crate) rest: Local,
@@ -76,7 +77,7 @@ pub(crate) struct Channel {
     pub(crate) track: Track,
 }
 
-/// The property of a node that moves.
+/// The animated property of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Property {
     Translation,
@@ -89,7 +90,7 @@ pub(crate) enum Property {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Skin {
     pub(crate) joints: Vec<usize>,
-    /// From the mesh's space to each joint's; as many as joints.
+    /// The transform from the mesh's space to that of each joint.
     pub(crate) joint_from_mesh: Vec<Mat4>,
 }
 
@@ -102,17 +103,17 @@ pub(crate) struct Placed {
     pub(crate) node: Option<usize>,
     /// The transform of one of many copies on its node (`EXT_mesh_gpu_instancing`).
     pub(crate) node_from_local: Option<Mat4>,
-    /// The scene's mesh for transforms that do not mirror, and the one for those that do. A case
-    /// that never happens has no mesh.
+    /// The scene's meshes for transforms that do not mirror and that do; `None` if that never
+    /// happens.
     pub(crate) meshes: [Option<usize>; 2],
     pub(crate) material: usize,
-    /// Whether neither an animation nor the file itself moves it.
+    /// `true` if no animation moves it, and the file does not mark it as dynamic.
     pub(crate) is_static: bool,
-    /// Whether the file leaves it in the voxels.
+    /// `false` if the file excludes it from the voxels.
     pub(crate) is_voxelized: bool,
-    /// Whether the file hides it.
+    /// `true` if the file hides it.
     pub(crate) is_hidden: bool,
-    /// Whether the file marks it as surroundings.
+    /// `true` if the file marks it as surroundings.
     pub(crate) is_backdrop: bool,
 }
 
@@ -123,7 +124,7 @@ impl Placed {
         self.node_from_local.map_or(file_from_node, |local| file_from_node * local)
     }
 
-    /// The scene's instance, with the file's marks.
+    /// Makes the scene's instance, with the file's marks.
     pub(crate) fn instance(&self, mesh: usize, world_from_local: Mat4) -> Instance {
         Instance {
             name: self.name.to_string(),
@@ -146,7 +147,7 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
-    /// The nodes as the file stores them.
+    /// The rest pose, as the file stores it.
     pub(crate) fn rest(nodes: &[Node]) -> Self {
         Self {
             local: nodes.iter().map(|node| node.rest).collect(),
@@ -159,7 +160,7 @@ impl Pose {
         let time_s = time_s.clamp(0.0, animation.duration_s);
         for Channel { node, property, track } in &animation.channels {
             let Local::Parts { translation, rotation, scale } = &mut self.local[*node] else {
-                // Nodes with other channels have parts; weights can change on any node.
+                // On a node with a matrix, only weights can be animated.
                 if *property == Property::Weights {
                     track.sample(time_s, &mut self.weights[*node]);
                 }
@@ -174,7 +175,8 @@ impl Pose {
         }
     }
 
-    /// The transforms from each node to the file's root; or the first node at which they overflow.
+    /// The transform from each node to the file's root; or the first node whose transform
+    /// overflows.
     pub(crate) fn file_from_node(&self, nodes: &[Node]) -> Result<Vec<Mat4>, usize> {
         let mut file_from_node: Vec<Mat4> = Vec::with_capacity(nodes.len());
         for (i, (node, local)) in nodes.iter().zip(&self.local).enumerate() {
@@ -238,7 +240,7 @@ pub(crate) fn handedness(nodes: &[Node], animations: &[Animation]) -> Vec<[bool;
     result
 }
 
-/// Whether each node moves at some time, by itself or by one above it.
+/// For each node, whether it moves at some time, by itself or with a node above it.
 pub(crate) fn moving(nodes: &[Node], animations: &[Animation]) -> Vec<bool> {
     let mut moves = vec![false; nodes.len()];
     for channel in animations.iter().flat_map(|animation| &animation.channels) {
@@ -283,13 +285,13 @@ mod tests {
         ];
         let (keeps, mirrors, either) = ([true, false], [false, true], [true, true]);
         assert_eq!(handedness(&nodes, &[]), [mirrors, mirrors, keeps, mirrors]);
-        // Growing from nothing flips nothing, passing through nothing does.
+        // A scale that begins at zero keeps its sign; a scale that passes through zero changes it.
         let grow = scaling(1, [[0.0; 3], [2.0; 3]]);
         assert_eq!(handedness(&nodes, &[grow]), [mirrors, mirrors, keeps, mirrors]);
         let flip = scaling(1, [[1.0; 3], [1.0, 1.0, -1.0]]);
         assert_eq!(handedness(&nodes, &[flip]), [mirrors, either, either, either]);
         let twice = scaling(1, [[-1.0, -1.0, 1.0]; 2]);
-        // The rest pose counts, too: there is a way from (1, 1, 1) to (-1, -1, 1).
+        // The rest pose counts, too: between (1, 1, 1) and (-1, -1, 1), either sign may occur.
         assert_eq!(handedness(&nodes, &[twice])[1], either);
     }
 

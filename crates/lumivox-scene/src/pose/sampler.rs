@@ -4,12 +4,11 @@
 //! With keys at `t_k` and `t_k+1`, `d = t_k+1 - t_k` and `t = (now - t_k) / d`:
 //!
 //! - step: the value at `t_k`;
-//! - linear: `(1 - t) v_k + t v_k+1`; for rotations the shorter way on the sphere (slerp,
-//!   Shoemake 1985, "Animating rotation with quaternion curves");
-//! - cubic spline: Hermite's polynomial
-//!   `(2t³ - 3t² + 1) v_k + d (t³ - 2t² + t) b_k + (3t² - 2t³) v_k+1 + d (t³ - t²) a_k+1`, where
-//!   each key stores its in-tangent a, value v and out-tangent b; rotations are brought to unit
-//!   length afterwards.
+//! - linear: `(1 - t) v_k + t v_k+1`; for rotations the shorter arc (slerp, Shoemake 1985,
+//!   "Animating rotation with quaternion curves");
+//! - cubic spline: Hermite's polynomial `(2t³ - 3t² + 1) v_k + d (t³ - 2t² + t) b_k + (3t² - 2t³)
+//!   v_k+1 + d (t³ - t²) a_k+1`, where each key stores its in-tangent a, value v and out-tangent b;
+//!   rotations are then normalised.
 //!
 //! Before the first key and after the last, the value is constant.
 
@@ -32,12 +31,12 @@ impl Interpolation {
     }
 }
 
-/// Key frames of one property. The numbers are shared, since many channels may use the same.
+/// Key frames of one property. Channels may share the numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Track {
-    /// Seconds, at least one, never falling.
+    /// The keys' times in seconds, at least one, in ascending order.
     pub(crate) times_s: Arc<[f32]>,
-    /// `components` numbers a value, [`Interpolation::values_per_key`] values a key.
+    /// `components` numbers per value, [`Interpolation::values_per_key`] values per key.
     pub(crate) values: Arc<[f32]>,
     /// Numbers in a value: 3 for translation and scale, 4 for rotation, any for weights.
     pub(crate) components: usize,
@@ -47,13 +46,14 @@ pub(crate) struct Track {
 /// The position of a time among the keys.
 enum Place {
     At(usize),
-    /// After a key: its index, the share of the way to the next key, and the seconds between both.
+    /// Between keys: the earlier one's index, the elapsed share of the interval, and its length in
+    /// seconds.
     Behind(usize, f32, f32),
 }
 
 impl Track {
     fn place(&self, time_s: f32) -> Place {
-        // The first later key: of several at the same time the last one counts.
+        // The first later key, so that of several keys at one time the last wins.
         let next = self.times_s.partition_point(|&key| key <= time_s);
         let Some(key) = next.checked_sub(1) else { return Place::At(0) };
         if next == self.times_s.len() || self.interpolation == Interpolation::Step {
@@ -121,7 +121,7 @@ impl Track {
         }
         let mut value = [0.0; 4];
         self.sample(time_s, &mut value);
-        // A spline may pass through zero, where there is no rotation: then the last key's counts.
+        // A spline may pass through zero, which is no rotation; the last key's is used.
         unit(value).unwrap_or_else(|| match self.place(time_s) {
             Place::At(key) | Place::Behind(key, ..) => self.rotation(key),
         })
@@ -132,7 +132,7 @@ impl Track {
         unit(std::array::from_fn(|i| value[i])).unwrap_or(Quat::IDENTITY)
     }
 
-    /// Whether a quaternion among the keys is too short to be a rotation.
+    /// The first key whose quaternion is too short to be a rotation.
     pub(crate) fn first_zero_rotation(&self) -> Option<usize> {
         (0..self.times_s.len()).find(|&key| {
             let value = self.value(key);
@@ -140,7 +140,7 @@ impl Track {
         })
     }
 
-    /// A lower and an upper bound of one number of the value at any time.
+    /// A lower and an upper bound of a component at all times.
     pub(crate) fn range(&self, component: usize) -> (f32, f32) {
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         for key in 0..self.times_s.len() {
@@ -162,7 +162,7 @@ impl Track {
     }
 }
 
-/// In f64, where no finite f32 quaternion's length overflows or vanishes.
+/// Normalises in f64, where the length of a finite f32 quaternion cannot overflow or underflow.
 fn unit(xyzw: [f32; 4]) -> Option<Quat> {
     let v = Vec4::from_array(xyzw).as_dvec4();
     let length = v.length();
@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn splines_follow_hermites_polynomial() {
-        // f(x) = x³ on keys at 1 and 3: f' = 3x². A cubic is met exactly.
+        // f(x) = x³ on keys at 1 and 3: f' = 3x². A cubic is reproduced exactly.
         let values = [0.0, 1.0, 3.0, 27.0, 27.0, 0.0];
         let track = track(&[1.0, 3.0], &values, 1, Interpolation::CubicSpline);
         for x in [1.0_f32, 1.5, 2.0, 2.75, 3.0] {
@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn rotations_take_the_shorter_way_at_constant_speed() {
         let quarter = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
-        // An equal rotation with the other sign, and longer than one: neither must matter.
+        // An equal rotation with the opposite sign and another length, which must not matter.
         let far = (-quarter * 3.0).to_array();
         let values = [Quat::IDENTITY.to_array(), far];
         let track = track(&[0.0, 1.0], values.as_flattened(), 4, Interpolation::Linear);
@@ -274,9 +274,9 @@ mod tests {
         let track = track(&[0.0, 1.0], values.as_flattened(), 4, Interpolation::CubicSpline);
         let half = track.sample_rotation(0.5);
         assert!((half.length() - 1.0).abs() < 1e-6);
-        // By symmetry, half the angle.
+        // By symmetry, the angle is halved.
         assert!(half.dot(Quat::from_rotation_x(0.5)) > 1.0 - 1e-6);
-        // Opposite quaternions meet at zero: the last key's rotation holds.
+        // Between opposite quaternions the spline is zero: the last key's rotation is used.
         let opposite = [zero, Quat::IDENTITY.to_array(), zero, zero, [0.0, 0.0, 0.0, -1.0], zero];
         let through_zero = Track { values: opposite.as_flattened().into(), ..track };
         assert_eq!(through_zero.sample_rotation(0.5), Quat::IDENTITY);

@@ -16,7 +16,7 @@ use crate::model::any_tangent;
 
 /// Data that is converted to bytes, little-endian (glTF 2.0, section 3.6.2.2).
 pub(super) enum Source<'a> {
-    /// As they are.
+    /// Bytes, unchanged.
     Bytes(Vec<u8>),
     /// Pairs of floats.
     Vec2(&'a [Vec2]),
@@ -129,8 +129,8 @@ impl Source<'_> {
     }
 }
 
-/// A tangent as glTF requires it: with a length, and a sign of 1 or -1. A tangent without direction
-/// becomes the one that the loader would set.
+/// A tangent as glTF requires it, not zero, with a sign of 1 or -1. A tangent without direction
+/// becomes the loader's default.
 pub(super) fn tangent(tangent: Vec4, normal: Vec3, turned: bool) -> Vec4 {
     let sign = if (tangent.w < 0.0) == turned { 1.0 } else { -1.0 };
     let direction = tangent.truncate();
@@ -140,7 +140,7 @@ pub(super) fn tangent(tangent: Vec4, normal: Vec3, turned: bool) -> Vec4 {
     direction.extend(sign)
 }
 
-/// The use of a view (glTF 2.0, section 5.11.5).
+/// The target of a view (glTF 2.0, section 5.11.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Target {
     /// No vertex data, such as an image.
@@ -155,9 +155,9 @@ pub(super) enum Target {
 pub(super) struct BufferView<'a> {
     source: Source<'a>,
     pub(super) target: Target,
-    /// Its start; a multiple of four.
+    /// The start of the range in bytes, a multiple of four.
     pub(super) offset: u64,
-    /// Without padding.
+    /// The length in bytes, without padding.
     pub(super) bytes: u64,
 }
 
@@ -171,7 +171,7 @@ pub(super) struct Binary<'a> {
 }
 
 impl<'a> Binary<'a> {
-    /// The view of these bytes; a new one if no view has the same bytes.
+    /// The view of the bytes of `source`; new unless an equal view exists.
     pub(super) fn view(&mut self, source: Source<'a>, target: Target) -> usize {
         let twins = self.known.entry((source.hash(), target)).or_default();
         if let Some(&twin) = twins.iter().find(|&&i| self.views[i].source.same_bytes(&source)) {
@@ -226,7 +226,7 @@ mod tests {
         let first = binary.view(indices(&straight, false), Target::Indices);
         assert_eq!(binary.view(indices(&turned, true), Target::Indices), first);
         assert_ne!(binary.view(indices(&turned, false), Target::Indices), first);
-        // A view has one target.
+        // A view has only one target.
         assert_ne!(binary.view(indices(&straight, false), Target::Vertices), first);
     }
 

@@ -1,10 +1,10 @@
-//! The container of the JSON and the bytes.
+//! The container of JSON and binary data.
 
 use std::io::Write;
 
 use super::binary::Binary;
 
-/// A GLB file (glTF 2.0, section 4.4): a header, a chunk of JSON, a chunk of bytes.
+/// A GLB file (glTF 2.0, section 4.4): a header, a JSON chunk, a binary chunk.
 pub(super) struct Container<'a> {
     json: String,
     binary: Binary<'a>,
@@ -15,7 +15,7 @@ const HEADER_BYTES: u64 = 12;
 const CHUNK_HEADER_BYTES: u64 = 8;
 
 impl<'a> Container<'a> {
-    /// Fails with the length if it does not fit the format's 32 bits.
+    /// The error is the length, if it exceeds the format's 32 bits.
     pub(super) fn new(mut json: String, binary: Binary<'a>) -> Result<Self, u64> {
         // Chunks end at multiples of four; JSON is padded with spaces.
         let padding = json.len().next_multiple_of(4) - json.len();

@@ -10,8 +10,8 @@ use super::binary::{Binary, Source, Target};
 
 /// A glTF document being written.
 ///
-/// Entries become text at once: that takes a tenth of the memory of a tree of values, and equal
-/// text is how equal entries are found.
+/// Entries are converted to text immediately: that takes a tenth of the memory of a tree of values,
+/// and equal entries have equal text.
 #[derive(Default)]
 pub(super) struct Document<'a> {
     lists: BTreeMap<&'static str, List>,
@@ -96,7 +96,7 @@ impl<'a> Document<'a> {
         }
         let nodes = self.lists.get("nodes").map_or(0, |nodes| nodes.count);
         if nodes == 0 {
-            // A list must not be empty, and many readers require this one.
+            // Empty lists are forbidden, and many readers require nodes.
             self.push("nodes", &json!({ "name": "empty" }));
         }
         let mut roots: Value = (0..nodes.max(1)).collect();
@@ -143,11 +143,11 @@ impl List {
     }
 }
 
-/// A number that reads back to the same `f32`, bit by bit, and as short as that allows.
+/// The shortest number that reads back as the same `f32`, bit by bit.
 ///
-/// JSON numbers are read as f64 and rounded from there. The shortest digits of an f32 are short
-/// enough that a reader's error of an f64 neighbour or two does no harm, except in unlucky cases;
-/// those get the digits of the f64.
+/// Readers parse JSON numbers as f64 and round them. With the shortest digits of an f32, an error
+/// of one or two units in the last place of the f64 is harmless, except in rare cases, which get
+/// the digits of the f64.
 pub(super) fn number(value: f32) -> Value {
     let exact = f64::from(value);
     let short: f64 = value.to_string().parse().unwrap_or(exact);
@@ -175,7 +175,7 @@ mod tests {
     use super::*;
 
     fn read_back(value: f32) -> f32 {
-        // As the loader reads: from text to f64, from there to f32.
+        // As in the loader: from text to f64 to f32.
         serde_json::from_str(&number(value).to_string()).unwrap()
     }
 

@@ -1,4 +1,4 @@
-//! The surroundings and the box of the voxels, which glTF cannot express: they go to the scene's
+//! Writes the surroundings and the box of the voxels, which glTF cannot express, to the scene's
 //! extras.
 
 use serde_json::{Map, Value, json};

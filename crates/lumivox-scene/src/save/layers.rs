@@ -1,4 +1,4 @@
-//! The layers of a material on top of its core, each an extension.
+//! The layers of a material, each an extension.
 
 use glam::Vec3;
 use serde_json::{Map, Value};
@@ -14,7 +14,7 @@ impl Writer<'_> {
             let mut coat = Object::default();
             coat.factor("clearcoatFactor", strength, 0.0);
             coat.factor("clearcoatRoughnessFactor", roughness, 0.0);
-            // Red is the strength, green the roughness: one image for both.
+            // One image for both: red is the strength, green the roughness.
             self.map(&mut coat, "clearcoatTexture", texture);
             self.map(&mut coat, "clearcoatRoughnessTexture", texture);
             self.extension(extensions, "KHR_materials_clearcoat", coat);
@@ -24,7 +24,7 @@ impl Writer<'_> {
             let mut sheen = Object::default();
             sheen.color("sheenColorFactor", color, Vec3::ZERO);
             sheen.factor("sheenRoughnessFactor", roughness, 0.0);
-            // The colour, and in alpha the roughness.
+            // One image for both: RGB is the colour, alpha the roughness.
             self.map(&mut sheen, "sheenColorTexture", texture);
             self.map(&mut sheen, "sheenRoughnessTexture", texture);
             self.extension(extensions, "KHR_materials_sheen", sheen);

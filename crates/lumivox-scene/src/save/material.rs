@@ -8,7 +8,7 @@ use super::document::{number, numbers, own_extras};
 use crate::load::shorten;
 use crate::{AlphaMode, Material, MetallicRoughness, Phong, Shading, Strengths, TextureRef};
 
-/// Builds a JSON object, leaving defaults out.
+/// Builds a JSON object; omits defaults.
 #[derive(Default)]
 pub(super) struct Object(pub(super) Map<String, Value>);
 
@@ -43,7 +43,7 @@ fn exact_strengths(strengths: &Strengths) -> Value {
 }
 
 impl Writer<'_> {
-    /// The file's material for a scene's.
+    /// Writes a material of the scene once, and returns its index in the file.
     pub(super) fn material(&mut self, index: usize) -> usize {
         if let Some(known) = self.materials[index] {
             return known;
@@ -71,7 +71,7 @@ impl Writer<'_> {
                 own.insert("phong".to_owned(), exact);
             }
             Shading::Unlit(unlit) => {
-                // The extension's recommendation to programs without it: rough, not metallic.
+                // For programs without the extension, it recommends a rough, nonmetallic material.
                 let core = MetallicRoughness {
                     base_color: unlit.color,
                     base_color_texture: unlit.color_texture,
@@ -129,7 +129,7 @@ impl Writer<'_> {
         let mut specular = Object::default();
         specular.factor("specularFactor", m.specular, 1.0);
         specular.color("specularColorFactor", m.specular_color, Vec3::ONE);
-        // One image for both, as in the model.
+        // One image for both, as in the scene.
         self.map(&mut specular, "specularTexture", m.specular_texture);
         self.map(&mut specular, "specularColorTexture", m.specular_texture);
         if !specular.0.is_empty() {
@@ -153,7 +153,7 @@ impl Writer<'_> {
         let emissive = material.emissive;
         let mut strength = power_of_two_above(emissive.max_element());
         if emissive.max_element() > strength || emissive / strength * strength != emissive {
-            // Beyond the largest power, or so far apart that the smallest component loses digits.
+            // The strength exceeds the largest power, or the smallest component would lose digits.
             strength = emissive.max_element();
         }
         json.color("emissiveFactor", emissive / strength, Vec3::ZERO);
@@ -184,7 +184,7 @@ impl Writer<'_> {
     }
 }
 
-/// Whether the material is lit, so that more than its colour counts.
+/// Whether the material is lit; of others only the colour counts.
 pub(super) fn takes_light(material: &Material) -> bool {
     !matches!(material.shading, Shading::Unlit(_))
 }
@@ -207,18 +207,17 @@ pub(super) fn power_of_two_above(value: f32) -> f32 {
     power
 }
 
-/// The substitute for a Phong material in other programs, from which the loader restores most of
-/// it: the lobe `cos^n` is about as wide as a microfacet distribution of `alpha^2 = 2 / (n + 2)`
-/// (Walter, Marschner, Li and Torrance 2007, "Microfacet models for refraction through rough
-/// surfaces", section 5.2), and its colour is the reflectance at normal incidence, for which the
-/// index of refraction is 0.
+/// The metallic-roughness substitute for a Phong material. The lobe `cos^n` is about as wide as a
+/// microfacet distribution of `alpha^2 = 2 / (n + 2)` (Walter, Marschner, Li and Torrance 2007,
+/// "Microfacet models for refraction through rough surfaces", section 5.2), and its colour is the
+/// reflectance at normal incidence, which needs an index of refraction of 0.
 fn stand_in(phong: &Phong) -> MetallicRoughness {
     let alpha = (2.0 / (phong.shininess + 2.0)).sqrt();
     MetallicRoughness {
         base_color: phong.diffuse.extend(phong.opacity),
         base_color_texture: phong.diffuse_texture,
         roughness: alpha.sqrt(),
-        // Without a lobe there is none at grazing angles either.
+        // Without a lobe, there is no reflection at grazing angles either.
         specular: if phong.specular == Vec3::ZERO { 0.0 } else { 1.0 },
         specular_color: phong.specular,
         specular_texture: phong.specular_texture,

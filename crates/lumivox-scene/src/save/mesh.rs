@@ -14,13 +14,12 @@ const FLOAT: u32 = 5126;
 const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 
-/// The largest vertex number that 16 bits hold: 65 535 restarts primitives (glTF 2.0, section
-/// 3.7.2.1).
+/// The largest 16-bit index: 65 535 restarts primitives (glTF 2.0, section 3.7.2.1).
 const LAST_SHORT: u32 = 65_534;
 
 impl<'a> Writer<'a> {
-    /// The file's mesh of one primitive for a scene's mesh with a material. The loader reverses the
-    /// winding if the transform mirrors, so it is reversed back here.
+    /// Writes a mesh of the scene with a material, as one primitive, and returns its index. The
+    /// winding is reversed if `mirrored`, since the loader will reverse it again.
     pub(super) fn mesh(&mut self, mesh: usize, material: usize, mirrored: bool) -> usize {
         let (mesh, of) = (&self.scene.meshes[mesh], &self.scene.materials[material]);
         let attributes = self.attributes(mesh, of, mirrored);
@@ -74,7 +73,7 @@ impl<'a> Writer<'a> {
             add("TEXCOORD_0", "VEC2", Source::Vec2(&mesh.uvs), Value::Null);
         }
         if textures.iter().any(|reference| reference.uv_set == 1) {
-            // If the second set is missing, the first is used in its place.
+            // If the second set is missing, the first is used instead.
             let uvs = if mesh.uvs1.is_empty() { &mesh.uvs } else { &mesh.uvs1 };
             add("TEXCOORD_1", "VEC2", Source::Vec2(uvs), Value::Null);
         }
@@ -85,7 +84,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Whether the loader would make the same tangents by itself, and nothing needs better ones.
+/// Whether the tangents equal the loader's defaults.
 fn has_default_tangents(mesh: &Mesh, mirrored: bool) -> bool {
     mesh.tangents.iter().zip(&mesh.normals).all(|(&given, &normal)| {
         let written = tangent(given, normal, mirrored).to_array().map(f32::to_bits);

@@ -1,14 +1,14 @@
 //! Writes a scene as one glTF 2.0 binary (Khronos, "glTF 2.0 specification", 2021, section 4.4).
 //!
-//! **Nothing is lost on the way back.** Loaded again, the scene is the same, bit by bit: floats are
-//! written so that they read back exactly, images as losslessly compressed PNG. Properties that
-//! glTF cannot express (Phong's exponent, lights' radii and fall-off, the environment, the box of
-//! the voxels, texture transforms with shear) are written twice: in the closest form that other
-//! programs can show, and as the exact value under `extras.lumivox`, which the loader prefers.
+//! **Nothing is lost.** Loaded again, the scene is the same, bit by bit: floats read back exactly,
+//! and images are losslessly compressed PNG. Properties that glTF cannot express (Phong's exponent,
+//! lights' radii and fall-off, the environment, the box of the voxels, texture transforms with
+//! shear) are written twice: in the closest form that other programs can show, and as the exact
+//! value under `extras.lumivox`, which the loader prefers.
 //!
-//! **One scene has one file.** Only what instances use is written, in the order of its first use,
-//! and equal things once; so saving what was loaded gives the same bytes, and the order of unused
-//! or repeated things in memory does not matter. This *normal form* leaves out:
+//! **One scene has one file.** Only things that instances use are written, in the order of their
+//! first use, and equal things once. So saving a loaded scene gives the same bytes, and the order
+//! of unused or repeated things in memory does not matter. This *normal form* leaves out:
 //!
 //! - meshes, materials and textures that no instance uses, and instances of meshes without
 //!   triangles;
@@ -16,9 +16,9 @@
 //! - the part of a camera's up that is along its line of sight, and the scale of a missing normal
 //!   texture: they have no effect;
 //! - second texture coordinates that the material does not use, and colours that are all white; if
-//!   the material uses a missing second set, the first is written, which is what is used then;
+//!   the material uses a missing second set, the first is written, which replaces it;
 //! - the lighting of an unlit material: layers, emission, normals;
-//! - names beyond 80 characters, which loaders cut;
+//! - the rest of names of more than 80 characters, which loaders cut;
 //! - [`Scene::rig`]: the present pose is written, and no animations;
 //! - [`Scene::name`], which is the file's, and notes and warnings.
 //!
@@ -46,11 +46,11 @@ impl Scene {
     /// same scene again, and which other programs read.
     ///
     /// The file is written under a temporary name in the same folder first and renamed at the end:
-    /// a reader finds the old file or the whole new one. Needs little memory beyond the scene's
-    /// own: that of its textures as PNG.
+    /// a reader finds the old file or the whole new one. Needs additional memory only for the
+    /// textures as PNG.
     ///
     /// # Errors
-    /// [`SceneError::Write`] when the file cannot be written; then nothing is left behind.
+    /// [`SceneError::Write`] when the file cannot be written; no temporary file is left then.
     /// [`SceneError::TooLarge`] beyond 4 GiB, and the errors of [`Scene::validate`].
     pub fn save_glb(&self, path: impl AsRef<Path>) -> Result<(), SceneError> {
         let path = path.as_ref();
@@ -88,9 +88,9 @@ impl Scene {
 struct Writer<'a> {
     scene: &'a Scene,
     document: Document<'a>,
-    /// The file's material for each of the scene's.
+    /// The file's index of each material of the scene.
     materials: Vec<Option<usize>>,
-    /// The file's texture for each used one of the scene's.
+    /// The file's index of each texture of the scene; `None` if unused.
     textures: Vec<Option<usize>>,
 }
 

@@ -1,4 +1,4 @@
-//! Instances, lights and cameras, each at a node of its own.
+//! Instances, lights and cameras, each on a separate node.
 
 use glam::{DVec3, Mat4, Vec3};
 use serde_json::{Value, json};
@@ -23,8 +23,8 @@ impl Writer<'_> {
             let mesh = self.mesh(instance.mesh, instance.material, mirrored);
             let mut node = placed(&instance.name, instance.world_from_local);
             node.set("mesh", json!(mesh));
-            // Things that nothing moves are static unless marked otherwise, and animations are not
-            // saved.
+            // Only exceptions are marked: animations are not saved, so the loader makes everything
+            // static.
             let marks = [
                 ("static", instance.is_static, true),
                 ("voxelized", instance.is_voxelized, true),
@@ -60,12 +60,12 @@ impl Writer<'_> {
     }
 }
 
-/// A node at a transform.
+/// A node with a transform.
 fn placed(name: &str, world_from_local: Mat4) -> Object {
     let mut node = Object::default();
     node.set("name", json!(shorten(name)));
     if world_from_local != Mat4::IDENTITY {
-        // A negative zero becomes zero: multiplying by a parent's identity drops the sign.
+        // Converts -0 to 0, since multiplying by a parent's identity would drop the sign.
         let matrix = world_from_local.to_cols_array().map(|x| x + 0.0);
         node.set("matrix", numbers(&matrix));
     }
@@ -93,8 +93,8 @@ fn convert_light(light: &Light) -> Value {
     }
     own.factor("angularRadiusRad", light.angular_radius_rad, 0.0);
     if let Some([inner, outer]) = light.cone_rad() {
-        // glTF requires at most pi/2, which f32's own pi/2 exceeds, and an inner angle below the
-        // outer one. f64 has the digits for both; read as f32 they are unchanged.
+        // glTF requires at most pi/2, which f32's pi/2 exceeds, and an inner angle below the outer
+        // one. In f64 both hold, and the numbers are unchanged when read as f32.
         let outer = f64::from(outer).min(std::f64::consts::FRAC_PI_2);
         let inner = f64::from(inner).min(outer * (1.0 - 1e-12));
         json.set("spot", json!({ "innerConeAngle": inner, "outerConeAngle": outer }));
@@ -103,7 +103,7 @@ fn convert_light(light: &Light) -> Value {
     if let Some(range_m) = light.range_m.filter(|_| light.kind.has("range")) {
         json.set("range", number(range_m));
     }
-    // glTF's colours end at 1. A power of two moves to the intensity, without loss.
+    // glTF's colours are at most 1. A power of two is moved to the intensity, without loss.
     let scale = power_of_two_above(light.color.max_element());
     let (color, scaled) = (light.color / scale, light.intensity * scale);
     let exact =
@@ -126,18 +126,18 @@ fn convert_camera(camera: &Camera) -> Value {
     json!({ "name": shorten(&camera.name), "perspective": perspective, "type": "perspective" })
 }
 
-/// The forward direction, and an up at a right angle to it.
+/// The forward direction, and an up vector orthogonal to it.
 fn axes(camera: &Camera) -> (Vec3, Vec3) {
     let forward = to_unit(camera.forward).unwrap_or(Vec3::NEG_Z);
     let (f, u) = (forward.as_dvec3(), camera.up.as_dvec3());
-    // Rounding to f32 leaves some 1e-7; vectors that are orthogonal already are not changed.
+    // Vectors that are orthogonal up to f32's rounding of about 1e-7 are unchanged.
     if f.dot(u).abs() < 1e-6
         && let Some(up) = to_unit(camera.up)
     {
         return (forward, up);
     }
-    // Divided by the squared length, which is only near 1 because of rounding: with an up almost
-    // along the line of sight the difference is visible.
+    // The squared length is 1 up to rounding; dividing by it matters if `up` is almost along the
+    // line of sight.
     let up = (u - f * (f.dot(u) / f.length_squared())).try_normalize().map(DVec3::as_vec3);
     (forward, up.unwrap_or_else(|| forward.any_orthonormal_vector()))
 }

@@ -15,7 +15,7 @@ use crate::load::shorten;
 use crate::{Filter, SceneError, Texture, TextureRef, Wrap};
 
 impl Writer<'_> {
-    /// Writes the textures that instances use, in the order in which their materials come.
+    /// Writes the textures that instances use, in the order of their materials.
     pub(super) fn write_textures(&mut self, file: &Path) -> Result<(), SceneError> {
         let mut used = Vec::new();
         let mut met = vec![false; self.scene.textures.len()];
@@ -32,7 +32,7 @@ impl Writer<'_> {
                 }
             }
         }
-        // Most of the time of saving is spent here.
+        // Compression takes most of the time of saving.
         let images: Vec<_> =
             used.par_iter().map(|&i| encode_png(&self.scene.textures[i])).collect();
         for (i, png) in used.into_iter().zip(images) {
@@ -62,7 +62,7 @@ impl Writer<'_> {
                     Filter::Nearest => 9728,
                     Filter::Linear => 9729,
                 },
-                // With mip levels, as this project's renderer uses them.
+                // With mip levels, as in Lumivox.
                 "minFilter": match texture.sampler.minify {
                     Filter::Nearest => 9984,
                     Filter::Linear => 9987,
@@ -89,7 +89,7 @@ impl Writer<'_> {
     }
 }
 
-/// The closest offset, rotation and scale; if they are not exact, the exact matrix too.
+/// The closest offset, rotation and scale; if they are not exact, also the exact matrix.
 fn texture_transform(transform: Affine2) -> Map<String, Value> {
     let (x, y) = (transform.matrix2.x_axis, transform.matrix2.y_axis);
     let (rotation, scale) = if x.y == 0.0 && y.x == 0.0 {
@@ -106,7 +106,7 @@ fn texture_transform(transform: Affine2) -> Map<String, Value> {
         json.insert("offset".to_owned(), numbers(offset.as_ref()));
     }
     if rotation != 0.0 {
-        // glTF's angles run counter-clockwise in an image whose v grows downwards.
+        // glTF's angles are counter-clockwise in an image whose v grows downwards.
         json.insert("rotation".to_owned(), number(-rotation));
     }
     if scale != Vec2::ONE {

@@ -1,5 +1,4 @@
-//! Animations: everything that moves is where the key frames say, at any time and in any order of
-//! times.
+//! Animations: everything follows the key frames, at any time and in any order of times.
 
 use glam::{Mat4, Vec3};
 use lumivox_scene::{AnimationChoice, Scene, SceneError};
@@ -39,18 +38,18 @@ fn translations_rotations_and_scales_move_nodes() {
         ],
     );
     let scene = file.load().unwrap();
-    // As stored, before anything is posed.
+    // The transform of the file, before any pose.
     assert_eq!(origin(&scene), Vec3::new(0.0, 0.0, 50.0));
     let animations = scene.animations();
     assert_eq!(animations.len(), 1);
     assert_eq!((animations[0].name.as_str(), animations[0].duration_s), ("wave", 2.5));
 
-    // Half way: a quarter turn about z, scale still 1.
+    // Half-way: 90 degrees about z, and the scale is still 1.
     let middle = posed(&file, 1.5);
     assert_eq!(origin(&middle), Vec3::new(2.0, 0.0, 50.0));
     let x = middle.instances[0].world_from_local.transform_vector3(Vec3::X);
     assert!((x - Vec3::Y).length() < 1e-6, "{x}");
-    // Beyond both ends the ends.
+    // Times outside the animation show its start or end.
     for (time_s, x) in [(-1.0, 1.0), (0.2, 1.0), (2.5, 3.0), (99.0, 3.0), (f32::INFINITY, 3.0)] {
         assert_eq!(origin(&posed(&file, time_s)).x, x, "at {time_s} s");
     }
@@ -100,7 +99,7 @@ fn poses_do_not_depend_on_earlier_times() {
     }
 }
 
-/// Two triangles; the first turns its inside out on the way from 0 to 2 s, and is flat at 1 s.
+/// Two triangles; the first is mirrored from 0 to 2 s, and flat at 1 s.
 fn tumbling() -> File {
     let mut file = File::triangle();
     let scales = file.vectors(&[[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]]);
@@ -123,14 +122,15 @@ fn instances_flattened_to_lines_are_hidden() {
     };
     for (time_s, visible) in [(0.5, true), (1.0, false), (1.5, true), (1.0, false), (0.0, true)] {
         scene.pose(AnimationChoice::One(0), time_s).unwrap();
-        // Things that were appended by hand stay.
+        // Appended instances stay.
         let expected: &[&str] =
             if visible { &["stand", "still", "own"] } else { &["still", "own"] };
         assert_eq!(names(&scene), expected, "at {time_s} s");
     }
 }
 
-/// A square across z, squeezed along z to nothing and further: it shows the same side all the time.
+/// A triangle across z that is scaled along z to zero and then mirrored shows the same side at all
+/// times.
 #[test]
 fn momentarily_flat_instances_stay_visible() {
     for first in [1.0, -1.0] {
@@ -191,7 +191,7 @@ fn lights_and_cameras_follow_animated_nodes() {
     let lamp = json!({ "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 0 } } });
     let lamp = file.node(lamp, true);
     let moves = file.vectors(&[[0.0, 0.0, 0.0], [4.0, 2.0, 0.0]]);
-    // A quarter turn about x takes -z to +y.
+    // A rotation by 90 degrees about x turns -z to +y.
     let turns = file.vectors(&[[0.0, 0.0, 0.0, 1.0], [HALF, 0.0, 0.0, HALF]]);
     let channels = [(lamp, "translation", "LINEAR", moves), (lamp, "rotation", "LINEAR", turns)];
     file.animation("pan", &[0.0, 1.0], &channels);
@@ -206,7 +206,7 @@ fn lights_and_cameras_follow_animated_nodes() {
     assert!((camera.forward - Vec3::Y).length() < 1e-6 && (camera.up - Vec3::Z).length() < 1e-6);
     assert_eq!(scene.lights[1], own);
 
-    // The file's go along, brighter or dimmer, as long as they come first; others stay.
+    // The file's lights move, even if changed, as long as they come first; other lights stay.
     let mut brighter = scene.lights.clone();
     brighter[0].radius_m = 0.5;
     scene.replace_lights(brighter);
@@ -248,7 +248,7 @@ fn animations_play_alone_or_together() {
     let mut scene = file.load().unwrap();
     scene.pose(AnimationChoice::One(1), 2.0).unwrap();
     assert_eq!((origin(&scene), scene.bounds().size().x), (Vec3::Y, 2.0));
-    // Things that the second moved and the first does not are as stored.
+    // The first animation does not move what the second moved: it is as in the file.
     scene.pose(AnimationChoice::One(0), 2.0).unwrap();
     assert_eq!((origin(&scene), scene.bounds().size().x), (Vec3::X, 1.0));
     scene.pose(AnimationChoice::All, 1.0).unwrap();
@@ -285,7 +285,7 @@ fn unsupported_targets_and_other_scenes_are_left_out() {
     let pointer = json!({ "sampler": 0, "target": { "path": "pointer", "extensions": {
         "KHR_animation_pointer": { "pointer": "/materials/0/emissiveFactor" } } } });
     file.json["animations"][0]["channels"].as_array_mut().unwrap().push(pointer);
-    // A light's extension must survive reading the JSON in the other way.
+    // The extension of a light must survive the repair of the JSON.
     file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
         { "type": "point", "extensions": { "EXT_x": { "y": 1 } } }] } });
     let scene = file.load().unwrap();
@@ -311,8 +311,7 @@ fn animated_matrices_are_decomposed() {
     assert_eq!(origin(&posed(&file, 0.5)), Vec3::ZERO);
 }
 
-/// Things that an animation reaches are dynamic, all else static; a mark says otherwise, but not
-/// for moving things.
+/// Animated things are dynamic, others static; a mark can make only the latter dynamic.
 #[test]
 fn animated_instances_are_dynamic() {
     let mut file = File::triangle();

@@ -1,5 +1,5 @@
 //! Broken and malicious rigs: an error that names the file and the part, or a warning; never a
-//! panic, and never a scene that is not valid.
+//! panic or an invalid scene.
 
 use std::sync::LazyLock;
 
@@ -10,7 +10,7 @@ use serde_json::json;
 use crate::common::tube::{Tube, tube};
 use crate::common::{File, fault, load_from_memory};
 
-/// The tube after a change.
+/// The error of the tube after a change.
 fn changed(change: impl FnOnce(&mut Tube)) -> String {
     let mut made = tube();
     change(&mut made);
@@ -25,7 +25,7 @@ fn moved(times_s: &[f32], values: &[[f32; 3]], interpolation: &str) -> File {
     file
 }
 
-/// The first byte of an accessor.
+/// The position of an accessor's first byte.
 fn begin_of(file: &File, accessor: u64) -> usize {
     let view = file.json["accessors"][accessor as usize]["bufferView"].as_u64().unwrap();
     file.json["bufferViews"][view as usize]["byteOffset"].as_u64().unwrap() as usize
@@ -41,7 +41,7 @@ fn invalid_joints_are_refused() {
     };
     let error = changed(|made| joint(made, 0, 3));
     assert!(error.contains("a joint of vertex 0") && error.contains("only 3 joints"), "{error}");
-    // The fourth joint of each vertex weighs nothing: it may be anything.
+    // The fourth joint of each vertex has weight zero, so any index is allowed.
     let mut unused = tube();
     joint(&mut unused, 3, 255);
     unused.file.load().unwrap();
@@ -65,7 +65,7 @@ fn invalid_joints_are_refused() {
     });
     assert!(error.contains("differ in length"), "{error}");
 
-    // A skin without joints for it: the mesh stays on its node, and a warning says so.
+    // A skinned mesh without joints stays on its node, with a warning.
     let mut bare = tube();
     attributes(&mut bare, |a| {
         a.as_object_mut().unwrap().remove("JOINTS_0");
@@ -87,7 +87,7 @@ fn invalid_skins_are_refused() {
     assert!(error.contains("3 inverse bind matrices for 4 joints"), "{error}");
     let error = changed(|made| made.file.json["skins"][0]["inverseBindMatrices"] = json!(0));
     assert!(error.contains("instead of 16"), "{error}");
-    // Bones in a ring, outside of the scene, bend their vertices without end or harm.
+    // A cycle of bones outside the scene is harmless.
     let mut ring = tube();
     let [first, _, last] = ring.joints;
     ring.file.json["nodes"][last]["children"] = json!([first]);
@@ -105,14 +105,15 @@ fn zero_scale_bones_hide_their_triangles() {
     let mut made = tube();
     made.file.json["nodes"][made.joints[2]]["scale"] = json!([0, 0, 0]);
     let scene = made.file.load().unwrap();
-    // Up to where the third bone begins to act.
+    // The tube ends below the vertices of the third bone.
     assert!(scene.bounds().max.y < 2.5, "{:?}", scene.bounds());
     assert!(scene.meshes[0].normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-5));
     made.file.json["nodes"][made.joints[0]]["scale"] = json!([0, 0, 0]);
     assert!(fault(&made.file).contains("no triangles"));
 }
 
-/// A position, a displacement, a weight and a bind matrix: each costs what it says, and no more.
+/// A NaN in a position, displacement, weight or bind matrix only costs the part that a warning
+/// names.
 #[test]
 fn non_finite_numbers_cost_a_deformed_mesh_little() {
     let sound = tube().file.load().unwrap();
@@ -139,7 +140,7 @@ fn non_finite_numbers_cost_a_deformed_mesh_little() {
         for scene in [&mut scene, &mut posed] {
             scene.pose(AnimationChoice::All, 2.0).unwrap();
         }
-        // All other vertices are where they would be.
+        // All other vertices are unchanged.
         let (broken, whole) = (&scene.meshes[0].positions[1..], &posed.meshes[0].positions[1..]);
         if number != "bind" {
             assert_eq!(broken, whole, "{number}");
@@ -176,7 +177,7 @@ fn invalid_morph_targets_are_refused() {
 
 #[test]
 fn morph_weights_stay_within_the_budget() {
-    // 20 000 targets on 20 000 nodes would be 400 million weights.
+    // 20 000 targets on 20 000 nodes would need 400 million weights.
     let mut file = File::triangle();
     let targets = vec![json!({}); 20_000];
     file.json["meshes"][0]["primitives"][0]["targets"] = json!(targets);
@@ -314,13 +315,13 @@ fn rich() -> File {
     file
 }
 
-/// Whatever loads can be posed, or says why not, and is valid then.
+/// A scene that loads is valid after each pose that succeeds.
 fn pose_all(loaded: Result<Scene, lumivox_scene::SceneError>) {
     let Ok(mut scene) = loaded else { return };
     for time_s in [0.0, 0.4, 0.5, 1.0] {
         if scene.pose(AnimationChoice::All, time_s).is_ok() {
             let mut valid = scene.clone();
-            // Numbers near the largest may overflow only in the world.
+            // Numbers near the largest float may overflow in the world.
             if valid.validate().is_ok() {
                 assert_eq!(valid, scene);
             }
@@ -336,7 +337,7 @@ fn the_unmodified_test_file_loads() {
     pose_all(Ok(scene));
 }
 
-/// Made once: a case would take longer to make it than to load it.
+/// Made once: making it takes longer than loading it.
 static RICH: LazyLock<Vec<u8>> = LazyLock::new(|| rich().glb());
 
 proptest! {

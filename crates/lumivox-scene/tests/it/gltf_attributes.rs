@@ -40,14 +40,14 @@ fn indices_of_all_widths_are_loaded() {
 #[test]
 fn interleaved_normalised_and_sparse_accessors_are_read() {
     let mut file = File::triangle();
-    // Texture coordinates of 8 bits, four bytes apart.
+    // 8-bit texture coordinates with a stride of four bytes.
     let view = file.view(&[0, 255, 9, 9, 255, 51, 9, 9, 0, 0, 9, 9]);
     file.json["bufferViews"][view]["byteStride"] = json!(4);
     let uvs = file.accessor(view, 5121, 3, "VEC2");
     file.json["accessors"][uvs]["normalized"] = json!(true);
     let primitive = &mut file.json["meshes"][0]["primitives"][0];
     primitive["attributes"]["TEXCOORD_0"] = json!(uvs);
-    // The second position moves.
+    // Replaces the second position.
     let indices = file.view(&[1]);
     let moved: Vec<u8> = [5.0_f32, 0.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect();
     let values = file.view(&moved);
@@ -59,7 +59,7 @@ fn interleaved_normalised_and_sparse_accessors_are_read() {
     let scene = file.load().unwrap();
     assert_eq!(scene.meshes[0].uvs, [Vec2::Y, Vec2::new(1.0, 0.2), Vec2::ZERO]);
     assert_eq!(scene.meshes[0].positions[1], Vec3::X * 5.0);
-    // The replacements of elements that lie apart lie close together.
+    // Replacements are packed, even if elements have a stride.
     let indices = file.view(&[0, 2]);
     let values = file.view(&[51, 0, 255, 102]);
     file.json["accessors"][uvs]["sparse"] = json!({
@@ -81,7 +81,7 @@ fn zero_normals_are_replaced() {
     assert!(scene.notes.warnings.join(" ").contains("normals"));
 }
 
-/// The triangle with this accessor as an attribute.
+/// Adds an accessor to the triangle as an attribute.
 fn with_attribute(mut file: File, semantic: &str, accessor: usize) -> File {
     file.json["meshes"][0]["primitives"][0]["attributes"][semantic] = json!(accessor);
     file
@@ -117,7 +117,7 @@ fn quantized_attributes_are_read() {
     assert_eq!(mesh.normals, [Vec3::Z; 3]);
     assert_eq!(mesh.tangents, [Vec4::new(1.0, 0.0, 0.0, -1.0); 3]);
     assert_eq!(mesh.uvs, [Vec2::new(0.0, -300.0), Vec2::new(4095.0, 7.0), Vec2::new(2.0, 3.0)]);
-    // -128 is -1 as -127 is (glTF 2.0, section 3.11).
+    // Both -128 and -127 are -1 (glTF 2.0, section 3.11).
     let mut file = File::triangle();
     file.json["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
     let view = file.view(&[0x80, 127, 0, 0, 0x81, 0x80, 0, 0, 0, 0, 0, 0]);
@@ -141,7 +141,7 @@ fn vertex_colours_of_all_types_are_read() {
         let mut file = File::triangle();
         let view = file.view(&bytes);
         let colors = file.accessor(view, component, 3, "VEC3");
-        // Left out for the bytes on purpose: integers cannot mean anything else.
+        // Omitted for bytes on purpose: integer colours are always normalised.
         if component == 5123 {
             file.json["accessors"][colors]["normalized"] = json!(true);
         }
@@ -150,7 +150,7 @@ fn vertex_colours_of_all_types_are_read() {
             assert!((*color - expected).length() < 1e-6, "{component}: {color}");
         }
         assert_eq!(scene.meshes[0].colors.len(), 3);
-        // No warning but the one of the missing material.
+        // The only warning is about the missing material.
         assert_eq!(scene.notes.warnings.len(), 1, "{:?}", scene.notes.warnings);
     }
     let mut file = File::triangle();
@@ -158,13 +158,13 @@ fn vertex_colours_of_all_types_are_read() {
     let scene = with_attribute(file, "COLOR_0", colors).load().unwrap();
     assert_eq!(scene.meshes[0].colors[0], Vec4::new(1.0, 1.0, 1.0, 0.5));
     assert!(scene.notes.warnings.join(" ").contains("1 colours were limited"));
-    // White says nothing, and takes no memory.
+    // White colours are dropped.
     let mut file = File::triangle();
     let colors = file.vectors(&[[1.0_f32; 4]; 3]);
     assert!(with_attribute(file, "COLOR_0", colors).load().unwrap().meshes[0].colors.is_empty());
 }
 
-/// The triangle with two sets of coordinates and a material that reads a texture at one of them.
+/// The triangle with two sets of texture coordinates, and a material with this normal texture.
 fn with_sets(texture: serde_json::Value) -> File {
     let mut file = File::triangle();
     let first = file.vectors(&[[0.0_f32, 0.0], [1.0, 0.0], [0.0, 1.0]]);
@@ -190,7 +190,7 @@ fn the_second_uv_set_is_read_only_if_used() {
     assert!(scene.notes.warnings.is_empty(), "{:?}", scene.notes.warnings);
     assert!(with_sets(json!({ "index": 0 })).load().unwrap().meshes[0].uvs1.is_empty());
 
-    // A warning names missing parts of the mesh or the model.
+    // A warning names a set that is missing in the mesh or the model.
     let mut file = with_sets(json!({ "index": 0, "texCoord": 1 }));
     let primitive = &mut file.json["meshes"][0]["primitives"][0];
     primitive["attributes"].as_object_mut().unwrap().remove("TEXCOORD_1");
@@ -205,14 +205,14 @@ fn the_second_uv_set_is_read_only_if_used() {
 fn a_mesh_may_have_only_the_second_uv_set() {
     let mut file = with_sets(json!({ "index": 0, "texCoord": 1 }));
     let primitive = &mut file.json["meshes"][0]["primitives"][0];
-    // Without normals, too: corners are taken apart, and the coordinates go with them.
+    // Also without normals: vertices are split, with their coordinates.
     for semantic in ["TEXCOORD_0", "NORMAL"] {
         primitive["attributes"].as_object_mut().unwrap().remove(semantic);
     }
     let scene = file.load().unwrap();
     assert_eq!(scene.meshes[0].uvs, [Vec2::ZERO; 3]);
     assert_eq!(scene.meshes[0].uvs1[2], Vec2::new(0.75, 0.5));
-    // The second set turns u and v round against the first: u grows with y.
+    // The second set swaps u and v: u grows with y.
     assert!((scene.meshes[0].tangents[0].truncate() - Vec3::Y).length() < 1e-6);
 }
 
@@ -223,7 +223,7 @@ fn tangents_follow_the_normal_textures_coordinates() {
     assert!((first - Vec4::new(1.0, 0.0, 0.0, -1.0)).length() < 1e-6, "{first}");
     let second = tangent(json!({ "index": 0, "texCoord": 1 }));
     assert!((second - Vec4::new(0.0, 1.0, 0.0, 1.0)).length() < 1e-6, "{second}");
-    // A quarter turn makes u of v, and v of -u: the image's u grows along y.
+    // A rotation by 90 degrees maps v to u and -u to v: the image's u grows along y.
     let moved = json!({ "rotation": std::f32::consts::FRAC_PI_2 });
     let turned = tangent(json!({ "index": 0, "extensions": { "KHR_texture_transform": moved } }));
     assert!((turned - Vec4::new(0.0, 1.0, 0.0, -1.0)).length() < 1e-6, "{turned}");

@@ -8,12 +8,13 @@ use crate::common::{File, flip_bytes, load_from_memory, shading, world_triangles
 
 const GRID: &[u8] = include_bytes!("../data/grid.drc");
 
-/// A primitive whose data come only from a Draco stream; attributes by their numbers in it.
+/// A primitive whose data are in a Draco stream; attributes are (semantic, component, type, ID in
+/// the stream).
 fn draco(stream: &[u8], attributes: &[(&str, u32, &str, u32)]) -> File {
     let mut file = File::new();
     let view = file.view(stream);
     let mut accessor = |component: u32, kind: &str| {
-        // The counts are those before compression; they may differ.
+        // The counts are from before compression, and may differ.
         file.push("accessors", json!({ "componentType": component, "count": 1, "type": kind }))
     };
     let indices = accessor(5125, "SCALAR");
@@ -68,8 +69,8 @@ fn a_draco_stream_decodes_to_the_original_mesh() {
     assert!((area - 1.0).abs() < 1e-3, "{area}");
 }
 
-/// Levels of Google's encoder that give streams of their own, and the triangles of the sphere in
-/// each: with a thousand and more it takes methods that it spares smaller meshes.
+/// Streams of Google's encoder at different levels, and the number of the sphere's triangles: for a
+/// thousand or more the encoder uses additional methods.
 const SPHERES: [(&[u8], usize); 6] = [
     (include_bytes!("../data/sphere-0.drc"), 80),
     (include_bytes!("../data/sphere-1.drc"), 1280),
@@ -81,13 +82,13 @@ const SPHERES: [(&[u8], usize); 6] = [
 
 #[test]
 fn all_draco_compression_levels_are_decoded() {
-    // Ten bits for 4 m, and half a step aside along each axis.
+    // Ten bits for 4 m, with an error of half a step along each axis.
     let off_m = 4.0 / 1023.0 * 0.5 * 3.0_f32.sqrt() + 1e-5;
     for (stream, triangles) in SPHERES {
         let scene = draco(stream, &[("POSITION", 5126, "VEC3", 0)]).load().unwrap();
         assert_eq!(scene.triangle_count(), triangles);
         for ([a, b, c], _) in world_triangles(&scene) {
-            // Outwards: away from the middle.
+            // The front faces outwards.
             assert!(
                 (b - a).cross(c - a).dot(a + b + c) > 0.0,
                 "{triangles} triangles: {a} {b} {c}"
@@ -105,7 +106,7 @@ fn invalid_draco_streams_are_refused() {
     assert!(error.contains("mesh 0, primitive 0, its Draco compression"), "{error}");
     assert!(fault(&draco(b"DRACO", &[position])).contains("cannot be decoded"));
     assert!(fault(&draco(GRID, &[("POSITION", 5126, "VEC3", 9)])).contains("lacks"));
-    // Normals as coordinates: three numbers instead of two.
+    // Normals as texture coordinates: three numbers instead of two.
     let error = fault(&draco(GRID, &[position, ("TEXCOORD_0", 5126, "VEC2", 2)]));
     assert!(error.contains("3 components instead of 2"), "{error}");
     let mut file = grid();
@@ -122,8 +123,8 @@ fn invalid_draco_streams_are_refused() {
     primitive.remove("indices");
     assert!(fault(&file).contains("its indices are missing"));
 
-    // Four thousand million faces and points in a few bytes (sequential, version 2.2): no budget
-    // helps.
+    // Four thousand million faces and points in a few bytes (sequential, version 2.2) exceed any
+    // budget.
     for method in [0, 1] {
         let mut claim = b"DRACO\x02\x02\x01\x00\x00\x00".to_vec();
         claim.extend([0xff, 0xff, 0xff, 0xff, 0x0e].repeat(2));
@@ -140,7 +141,7 @@ fn invalid_draco_streams_are_refused() {
     assert!(error.contains("need more, but the budget is 0.1 KiB"), "{error}");
 }
 
-/// The triangle with its texture from these bytes.
+/// The triangle with a texture of these bytes.
 fn image(bytes: &[u8]) -> File {
     let mut file = File::triangle();
     let view = file.view(bytes);
@@ -160,7 +161,7 @@ const ASTC: &[u8] = include_bytes!("../data/ramp-astc.ktx2");
 
 #[test]
 fn basis_universal_and_astc_images_are_decoded() {
-    // The mean difference that the encoder's own decoder has, and the next integer.
+    // The limits are the mean differences of the encoder's own decoder, rounded up.
     for (bytes, mean) in [(ETC1S, 10.0), (UASTC, 2.0), (ASTC, 2.0)] {
         let scene = image(bytes).load().unwrap();
         assert!(scene.notes.warnings.is_empty(), "{:?}", scene.notes.warnings);
@@ -176,7 +177,7 @@ fn basis_universal_and_astc_images_are_decoded() {
     }
 }
 
-/// A container with one level, not compressed further.
+/// A container with one level, without supercompression.
 fn ktx2(format: u32, width: u32, height: u32, level: &[u8]) -> Vec<u8> {
     let mut bytes = b"\xABKTX 20\xBB\r\n\x1A\n".to_vec();
     for word in [format, 1, width, height, 0, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0] {
@@ -200,14 +201,14 @@ fn plain_ktx2_formats_are_decoded() {
     assert_eq!(texels(&ktx2(29, 1, 2, &[1, 2, 3, 4, 5, 6])), [[1, 2, 3, 255], [4, 5, 6, 255]]);
     assert_eq!(texels(&ktx2(43, 1, 1, &[1, 2, 3, 4])), [[1, 2, 3, 4]]);
     assert_eq!(texels(&ktx2(50, 1, 1, &[1, 2, 3, 4])), [[3, 2, 1, 4]]);
-    // BC1: two colours of 5, 6, 5 bits, and two bits for each of 16 texels. Red, blue, and two
-    // thirds and one third between them.
+    // BC1: two colours of 5, 6, 5 bits, and two bits for each of 16 texels. The palette: red, blue,
+    // and mixtures of two thirds and one third.
     let bc1 = [0x00, 0xF8, 0x1F, 0x00, 0b11_10_01_00, 0, 0, 0];
     let block = texels(&ktx2(131, 4, 4, &bc1));
     assert_eq!(block[..2], [[255, 0, 0, 255], [0, 0, 255, 255]]);
     assert!(block[2][0].abs_diff(170) <= 1 && block[2][2].abs_diff(85) <= 1, "{:?}", block[2]);
     assert_eq!(block[15], [255, 0, 0, 255]);
-    // A part of a block at the edges.
+    // At the edges, only a part of a block is used.
     assert_eq!(texels(&ktx2(131, 3, 1, &bc1)), block[..3]);
 }
 

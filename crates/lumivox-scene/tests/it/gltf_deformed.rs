@@ -11,8 +11,8 @@ fn close(a: Vec3, b: Vec3) -> bool {
     (a - b).length() < 1e-5
 }
 
-/// Every triangle's front is where its first normal points; roughly, since bending and swelling
-/// shear a surface without its normals.
+/// Fails unless every triangle's front faces roughly along its first normal: bending and swelling
+/// shear the surface, but not its normals.
 fn assert_fronts(scene: &Scene, at: &str) {
     for ([a, b, c], normal) in world_triangles(scene) {
         let front = (b - a).cross(c - a).normalize();
@@ -20,7 +20,7 @@ fn assert_fronts(scene: &Scene, at: &str) {
     }
 }
 
-/// All normals have unit length, all tangents, too, and they are orthogonal.
+/// Fails unless normals and tangents have unit length and are orthogonal.
 fn assert_frames(scene: &Scene, at: &str) {
     for mesh in &scene.meshes {
         for (n, t) in mesh.normals.iter().zip(&mesh.tangents) {
@@ -36,12 +36,12 @@ fn skinned_vertices_follow_their_bones() {
     let mut scene = tube().file.load().unwrap();
     assert!(scene.notes.warnings.len() == 1, "{:?}", scene.notes.warnings);
     let last = scene.meshes[0].positions.len() - CORNERS - 1;
-    // The corner at the front, +z, of the last ring: only on the third bone.
+    // The corner at the front, +z, of the last ring only depends on the third bone.
     assert!(close(scene.meshes[0].positions[last], Vec3::new(0.0, HEIGHT_M, RADIUS_M)));
     for time_s in [0.0, 0.7, 1.0, 2.0_f32] {
         scene.pose(AnimationChoice::One(0), time_s).unwrap();
         let at = format!("at {time_s} s");
-        // By hand: two joints of one metre each, both turned by the same angle.
+        // The expected position: two joints of one metre each, rotated by equal angles.
         let turn = Quat::from_rotation_z(time_s / 2.0 * std::f32::consts::FRAC_PI_4);
         let tip = Vec3::Y + turn * (Vec3::Y + turn * Vec3::new(0.0, 1.0, RADIUS_M));
         assert!(close(scene.meshes[0].positions[last], tip), "{at}");
@@ -49,7 +49,7 @@ fn skinned_vertices_follow_their_bones() {
         assert!(close(normal, turn * turn * Vec3::Z), "{at}: {normal}");
         assert_fronts(&scene, &at);
         assert_frames(&scene, &at);
-        // Half way up, the bones of a blend and the swelling act together.
+        // Half-way up, blended bones and the swelling act together.
         let widest = scene.meshes[0].positions.iter().map(|p| p.z).fold(0.0, f32::max);
         assert!((widest - RADIUS_M * (1.0 + time_s / 2.0)).abs() < 1e-5, "{at}: {widest}");
     }
@@ -64,7 +64,7 @@ fn the_nodes_own_transform_does_not_place_a_skinned_mesh() {
     let moved = moved.file.load().unwrap();
     assert_eq!(moved.meshes, plain.meshes);
     assert_eq!(moved.instances, plain.instances);
-    // A node that the joints hang on moves.
+    // A parent of the joints moves.
     let mut carried = tube();
     let joint = carried.joints[0];
     let carrier = json!({ "children": [joint], "translation": [7, 8, 9] });
@@ -72,7 +72,7 @@ fn the_nodes_own_transform_does_not_place_a_skinned_mesh() {
     carried.file.json["scenes"][0]["nodes"] = json!([carrier, carried.body]);
     let carried = carried.file.load().unwrap();
     assert!(close(carried.bounds().min, plain.bounds().min + Vec3::new(7.0, 8.0, 9.0)));
-    // Joints outside of the scene have their place, too.
+    // Joints outside the scene have transforms, too.
     let mut apart = tube();
     let carrier = json!({ "children": [apart.joints[0]], "translation": [7, 8, 9] });
     apart.file.node(carrier, false);
@@ -95,18 +95,18 @@ fn poses_of_skinned_meshes_ignore_earlier_poses() {
         valid.validate().unwrap();
         assert_eq!(valid, scene, "at {time_s} s");
     }
-    // At its start the animation shows the rest pose.
+    // The animation starts with the rest pose.
     assert_eq!(scene, rest);
 }
 
 #[test]
 fn each_use_of_a_mesh_deforms_on_its_own() {
     let mut made = tube();
-    // Another use of the mesh on the same bones, without swelling; and one unskinned, swollen for
-    // good.
+    // Adds a use of the mesh on the same bones without swelling, and one without a skin that is
+    // always swollen.
     made.file.node(json!({ "mesh": 0, "skin": 0, "name": "thin" }), true);
     made.file.node(json!({ "mesh": 0, "weights": [1], "translation": [9, 0, 0] }), true);
-    // A mesh that nothing deforms is shared as ever.
+    // A mesh that nothing deforms is shared.
     for x in [20, 30] {
         made.file.node(json!({ "mesh": 0, "translation": [x, 0, 0] }), true);
     }
@@ -142,7 +142,7 @@ fn mirrored_bones_keep_front_faces() {
             let at = format!("flat {flat}, at {time_s} s");
             assert_fronts(&scene, &at);
             assert_frames(&scene, &at);
-            // It bends to the other side now, and the outside is still outside.
+            // The tube is mirrored and bends to the other side; its outside still faces outwards.
             let mesh = &scene.meshes[0];
             let outward = mesh.triangles().take(2 * CORNERS).all(|[i, ..]| {
                 mesh.normals[i].dot(mesh.positions[i] * Vec3::new(1.0, 0.0, 1.0)) > 0.0
@@ -191,13 +191,13 @@ fn skins_without_animations_are_baked() {
     assert!(close(scene.meshes[0].positions[last], tip + Vec3::Z * RADIUS_M));
 }
 
-/// One triangle on one joint of this matrix, bound where it is.
+/// One triangle on one joint with this matrix, and an identity bind matrix.
 fn on_a_joint(joint: Mat4, weights: [f32; 4]) -> File {
     let mut file = File::triangle();
     let view = file.view(&[0; 12]);
     let joints = file.accessor(view, 5121, 3, "VEC4");
     let weights = file.vectors(&[weights; 3]);
-    // Normals that lean, so that the inverse transpose shows.
+    // Oblique normals, for which the inverse transpose matters.
     let normals = file.vectors(&[[0.6, 0.0, 0.8]; 3]);
     let tangents = file.vectors(&[[0.8, 0.0, -0.6, 1.0]; 3]);
     let attributes = &mut file.json["meshes"][0]["primitives"][0]["attributes"];
@@ -225,7 +225,7 @@ fn normals_follow_the_inverse_transpose() {
         let expected = joint.inverse().transpose().transform_vector3(Vec3::new(0.6, 0.0, 0.8));
         assert!(close(mesh.normals[0], expected.normalize()), "{scale}: {}", mesh.normals[0]);
         assert!(close(mesh.positions[1], joint.transform_point3(Vec3::X)));
-        // The tangent follows the surface, and the bitangent's sign a mirror.
+        // The tangent follows the surface, and a mirror changes the bitangent's sign.
         let along = joint.transform_vector3(Vec3::new(0.8, 0.0, -0.6)).normalize();
         assert!(close(mesh.tangents[0].truncate(), along), "{scale}: {}", mesh.tangents[0]);
         assert_eq!(mesh.tangents[0].w, scale.x.signum());
@@ -244,7 +244,7 @@ fn bad_joint_weights_are_repaired_with_a_warning() {
     ] {
         let file = on_a_joint(Mat4::from_translation(Vec3::Z * 5.0), weights);
         let scene = file.load().unwrap();
-        // There is only one joint: whatever the weights, it carries all.
+        // The only joint moves all vertices, whatever their weights.
         assert!(close(scene.meshes[0].positions[1], Vec3::new(1.0, 0.0, 5.0)), "{weights:?}");
         let warned = scene.notes.warnings.iter().any(|w| w.contains("3 vertices have joint"));
         assert_eq!(warned, told, "{weights:?}");
@@ -268,7 +268,7 @@ fn eight_joints_per_vertex_are_supported() {
     attributes["JOINTS_1"] = json!(joints);
     attributes["WEIGHTS_1"] = json!(weights);
     let scene = file.load().unwrap();
-    // 0.5 and 1 are brought to 1/3 and 2/3.
+    // The weights 0.5 and 1 become 1/3 and 2/3.
     assert!(close(scene.meshes[0].positions[0], Vec3::Z * 16.0 / 3.0));
 }
 
@@ -299,7 +299,7 @@ fn morph_targets_displace_positions_normals_and_tangents() {
         { "POSITION": lifted },
         { "POSITION": shifted, "NORMAL": leaning, "TANGENT": turning },
     ]);
-    // The node's weights go before the mesh's.
+    // The node's weights override the mesh's.
     file.json["meshes"][0]["weights"] = json!([9, 9]);
     file.json["nodes"][0]["weights"] = json!([0.5, 1]);
     let scene = file.load().unwrap();
@@ -310,11 +310,11 @@ fn morph_targets_displace_positions_normals_and_tangents() {
     );
     let normal = Vec3::new(0.0, 1.0, 1.0).normalize();
     assert!(mesh.normals.iter().all(|n| close(*n, normal)));
-    // (1, 1, -1) is orthogonal to the normal already.
+    // (1, 1, -1) is already orthogonal to the normal.
     let tangent = Vec3::new(1.0, 1.0, -1.0).normalize();
     assert!(close(mesh.tangents[0].truncate(), tangent) && mesh.tangents[0].w == -1.0);
 
-    // Weights of the mesh, and moving ones: two numbers a key.
+    // Weights of the mesh, and animated weights with two numbers per key.
     let weights = file.floats(&[0.0, 0.0, 1.0, 0.0]);
     file.animation("lift", &[0.0, 1.0], &[(0, "weights", "LINEAR", weights)]);
     file.json["nodes"][0].as_object_mut().unwrap().remove("weights");
@@ -329,7 +329,8 @@ fn morph_targets_displace_positions_normals_and_tangents() {
 #[test]
 fn triangles_degenerate_at_rest_can_grow_later() {
     let mut file = File::triangle();
-    // A second triangle, a point at rest, that the target spreads; without normals: flat.
+    // Adds a second triangle, a point at rest, which the target enlarges. Without normals, it is
+    // flat.
     let positions = file.vectors(&[
         [0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0],
@@ -355,8 +356,7 @@ fn triangles_degenerate_at_rest_can_grow_later() {
     assert_eq!(scene.meshes[0].normals[3], Vec3::Y);
 }
 
-/// If one corner moves, its triangle's plane turns, and with it the frames of the corners that
-/// stay.
+/// If one corner moves, its triangle's plane changes, and so do the frames of the other corners.
 #[test]
 fn frames_of_flat_triangles_turn_with_a_single_corner() {
     for corner in 0..3 {

@@ -1,4 +1,4 @@
-//! Faults that cost no more than the faulty part: the rest of the scene is shown, with a warning.
+//! Faults that only cost the faulty part: the rest of the scene is shown, with a warning.
 
 use glam::Vec3;
 use lumivox_scene::{AlphaMode, LightKind, LoadOptions, Sampler, Scene, SceneError, Wrap};
@@ -14,7 +14,7 @@ fn warnings(file: &File) -> String {
     file.load().unwrap().notes.warnings.join("\n")
 }
 
-/// The triangle with a material, which needs no warning.
+/// The triangle with a material, which causes no warning.
 fn bare_triangle() -> File {
     let mut file = File::triangle();
     file.push("materials", json!({ "name": "paint" }));
@@ -22,7 +22,7 @@ fn bare_triangle() -> File {
     file
 }
 
-/// The triangle with colours and normals out of these images.
+/// The triangle with colours and normals from these images.
 fn painted(color: &Value, normal: &Value) -> File {
     let mut file = File::triangle();
     file.push("images", color.clone());
@@ -44,7 +44,7 @@ const LFS: &str = "image 0\" cannot be used: it is a pointer of Git LFS in the p
 const CUT: &str = "image \"wood\" cannot be used: it was cut off";
 const PAGE: &str = "image 0\" cannot be used: it is a web page";
 
-/// A PNG whose header is right and whose texels are cut off: that shows only while it is decoded.
+/// A PNG with a correct header and truncated texels, which is only found while decoding.
 fn cut_png() -> Vec<u8> {
     let texels: Vec<u8> = (0..64 * 64 * 4).map(|i| (i * 97 % 251) as u8).collect();
     let whole = png(64, 64, &texels);
@@ -77,14 +77,14 @@ fn a_bad_image_is_shown_like_a_missing_one() {
         assert_eq!(scene.materials, missing.materials, "{bad}");
         let said = scene.notes.warnings.join("\n");
         assert!(said.contains(needles) && said.contains("a stand-in is shown"), "{said}");
-        // A broken PNG is not better for being made a PNG.
+        // Saving as a PNG is no remedy for a broken PNG.
         assert!(!(needles == "download it again" && said.contains("PNG or JPEG")), "{said}");
 
         let scene = painted(&good, &bad).load().unwrap();
         assert_eq!(scene.textures.len(), 1);
         assert!(scene.materials[0].normal_texture.is_none(), "{bad}");
     }
-    // Not even two of them, or one for both.
+    // Also two bad images, or one image for both.
     let bad = json!({ "uri": data_uri("image/png", &cut_png()) });
     for second in [&bad, &json!({ "uri": data_uri("image/png", b"nothing") })] {
         let scene = painted(&bad, second).load().unwrap();
@@ -142,12 +142,12 @@ fn a_bad_animation_is_dropped_and_the_mesh_kept() {
         assert_eq!(scene.triangle_count(), 1, "{index}");
         let said = scene.notes.warnings.join("\n");
         assert!(said.contains("left out") && !said.contains("scene.glb"), "{index}: {said}");
-        // Numbers stay those of the file.
+        // Animations keep the file's numbers.
         let animations = scene.animations();
         assert_eq!((animations.len(), animations[0].duration_s), (2, 0.0), "{index}");
         assert_eq!((animations[1].name.as_str(), animations[1].duration_s), ("good", 2.0));
     }
-    // Channels beside a broken one stay.
+    // Other channels of the animation stay.
     let mut file = File::triangle();
     let values = file.vectors(&[[0.0; 3], [f32::NAN, 0.0, 0.0]]);
     let scales = file.vectors(&[[1.0; 3], [2.0; 3]]);
@@ -170,7 +170,7 @@ fn a_scene_need_not_name_nodes() {
     let mut options = LoadOptions { scene: Some("full".to_owned()), ..LoadOptions::default() };
     let scene = Scene::from_memory("scene.glb", &file.glb(), &mut options).unwrap();
     assert_eq!(scene.notes.scenes, ["full", "bare"]);
-    // Nor need there be any.
+    // A file without nodes.
     let nothing = br#"{ "asset": { "version": "2.0" }, "meshes": [] }"#;
     let error = load_from_memory("scene.gltf", nothing).unwrap_err();
     assert!(matches!(&error, SceneError::NoTriangles { .. }), "{error}");
@@ -186,7 +186,7 @@ fn an_empty_scene_names_the_others() {
     assert!(!fault(&file).contains("--scene-in-file"));
 }
 
-/// A number that is not finite costs only the place where it is, and gives a warning.
+/// A number that is not finite only costs its vertex, and gives a warning.
 #[test]
 fn non_finite_numbers_are_replaced() {
     let sound = textured_cube().load().unwrap();
@@ -206,7 +206,7 @@ fn non_finite_numbers_are_replaced() {
             };
             let view = file.json["accessors"][accessor]["bufferView"].as_u64().unwrap() as usize;
             let begin = file.json["bufferViews"][view]["byteOffset"].as_u64().unwrap() as usize;
-            // The first corner of the first side, which two triangles share.
+            // The first corner of the first side belongs to two triangles.
             let at = begin + 4 * (size - 1);
             file.binary[at..at + 4].copy_from_slice(&bad.to_le_bytes());
             file.json["meshes"][0]["primitives"][0]["attributes"][semantic] = json!(accessor);
@@ -219,7 +219,7 @@ fn non_finite_numbers_are_replaced() {
             }
         }
     }
-    // A place that no triangle uses does not matter.
+    // An unused position does not matter.
     let mut file = File::triangle();
     let positions =
         file.vectors(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [f32::NAN, 0.0, 0.0]]);
@@ -227,7 +227,7 @@ fn non_finite_numbers_are_replaced() {
     assert_eq!(warnings(&file), warnings(&File::triangle()));
 }
 
-/// A node with a scale of zero along one axis is a flat thing.
+/// A node with a scale of zero along one axis is shown flat.
 #[test]
 fn a_scale_of_zero_flattens() {
     let whole = textured_cube().load().unwrap();
@@ -244,13 +244,14 @@ fn a_scale_of_zero_flattens() {
         assert!(size.y < 1e-4 && size.x == 6.0 && size.z == 6.0, "{size}");
         let up = |(_, normal): &&([Vec3; 3], Vec3)| normal.y > 0.999;
         let triangles = world_triangles(&scene);
-        // Two triangles look up and two down.
+        // Two triangles face up and two down.
         assert_eq!(triangles.iter().filter(up).count(), 2);
         for ([a, b, c], normal) in triangles.iter().filter(up) {
             assert!((*b - *a).cross(*c - *a).normalize().dot(*normal) > 0.999);
         }
     }
-    // A camera and a lamp on such a node still have a direction; one of zero everywhere has none.
+    // A camera and a lamp on such a node still have a direction; on a node scaled to zero along all
+    // axes they have none.
     let mut file = File::triangle();
     file.push(
         "cameras",
@@ -262,7 +263,7 @@ fn a_scale_of_zero_flattens() {
     assert!((camera.forward + Vec3::X).length() < 1e-5, "{}", camera.forward);
 }
 
-/// Cameras and lights have their own name, or their node's, and are found by both.
+/// Cameras and lights have their own or their node's name, and are found by either.
 #[test]
 fn cameras_and_lights_are_found_by_node_name() {
     let mut file = File::triangle();
@@ -287,7 +288,7 @@ fn cameras_and_lights_are_found_by_node_name() {
     }
 }
 
-/// Faults that other programs accept, although they are against the letter of the format.
+/// Violations of the format that other programs accept.
 #[test]
 fn minor_format_violations_are_ignored() {
     let sound = File::triangle().load().unwrap();
@@ -309,7 +310,7 @@ fn minor_format_violations_are_ignored() {
     assert!(scene.notes.warnings[0].contains("not finite became zero"), "{:?}", scene.notes);
 }
 
-/// Values that the format does not allow, and that other programs ignore or understand.
+/// Values that the format forbids, and that other programs ignore or understand.
 #[test]
 fn unknown_values_do_not_prevent_loading() {
     type Change = fn(&mut Value);
@@ -352,7 +353,7 @@ fn unknown_values_do_not_prevent_loading() {
         assert_eq!(told.is_empty(), words.is_empty(), "{index}: {told}");
         assert!(told.contains(words), "{index}: {told}");
     }
-    // Values without a plain meaning become the defaults.
+    // Values without an obvious meaning become defaults.
     let mut file = textured_cube();
     file.json["samplers"][0] = json!({ "magFilter": 9987, "wrapS": 10496, "wrapT": 33648 });
     file.json["materials"][0]["alphaMode"] = json!("GLASS");
@@ -360,7 +361,7 @@ fn unknown_values_do_not_prevent_loading() {
     let expected = Sampler { wrap_v: Wrap::MirroredRepeat, ..Sampler::default() };
     assert_eq!((scene.textures[0].sampler, scene.notes.warnings.len()), (expected, 2));
     assert_eq!(scene.materials[0].alpha, AlphaMode::Opaque);
-    // The length in the head of a GLB.
+    // A wrong length in the header of a GLB.
     let whole = textured_cube().glb();
     for length in [0, 20, whole.len() as u32 - 12, u32::MAX] {
         let mut glb = whole.clone();
@@ -399,7 +400,7 @@ fn lights_out_of_range_give_warnings() {
     assert!(told.contains("counts as 0"), "{told}");
 }
 
-/// The URIs of files that people have, and data in all its spellings.
+/// URIs as found in real files, and data URIs in all spellings.
 #[test]
 fn existing_files_decide_how_uris_are_decoded() {
     let folder = tempfile::tempdir().unwrap();
@@ -449,7 +450,7 @@ fn required_extensions_that_only_refine_are_ignored() {
         "the glTF extension KHR_materials_variants is not supported and was ignored: the first look \
          of each surface is shown"
     );
-    // Required, and not even listed among the used extensions.
+    // Required, but not listed among the used extensions.
     file.json["extensionsUsed"] = json!([]);
     assert_eq!(warnings(&file), said);
 }
@@ -479,7 +480,7 @@ fn other_required_extensions_are_ignored_when_asked() {
 
 #[test]
 fn other_gltf_versions_are_distinguished_from_broken_files() {
-    // As programs of 2016 wrote it: things by their names.
+    // A file of 2016, with things identified by names.
     let old = json!({
         "asset": { "version": "1.0", "profile": { "api": "WebGL" } },
         "scene": "main",
@@ -505,7 +506,7 @@ fn other_gltf_versions_are_distinguished_from_broken_files() {
     file.json["asset"]["version"] = json!("3.0");
     let text = fault(&file);
     assert!(text.contains("is glTF 3.0") && text.contains("export it as glTF 2.0"), "{text}");
-    // A file that needs no more than 2.0 is read.
+    // A file that only needs version 2.0 is read.
     file.json["asset"] = json!({ "version": "2.1", "minVersion": "2.0" });
     file.load().unwrap();
     let mut container = File::triangle().glb();

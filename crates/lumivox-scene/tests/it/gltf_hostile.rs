@@ -1,4 +1,4 @@
-//! Files that are broken or mean harm: always an error that names the file, never a panic.
+//! Broken and malicious files: always an error that names the file, never a panic.
 
 use std::sync::LazyLock;
 
@@ -8,7 +8,7 @@ use serde_json::json;
 
 use crate::common::{File, fault, load, load_from_memory, png, write};
 
-/// The triangle after a change to its JSON.
+/// The error of the triangle after a change to its JSON.
 fn changed(change: impl FnOnce(&mut serde_json::Value)) -> String {
     let mut file = File::triangle();
     change(&mut file.json);
@@ -161,7 +161,7 @@ fn invalid_geometry_is_refused() {
 #[test]
 fn counts_beyond_the_data_are_refused() {
     let count = 4_000_000_000_u64;
-    // The count is wrong, and no budget would help.
+    // The error is about the count, not about the budget.
     for accessor in [0, 1] {
         let error = changed(|json| json["accessors"][accessor]["count"] = json!(count));
         assert!(error.contains("4000000000 elements"), "{error}");
@@ -251,7 +251,7 @@ fn invalid_transforms_are_refused() {
     projection[3] = 0.5;
     let error = changed(|json| json["nodes"][0]["matrix"] = json!(projection));
     assert!(error.contains("affine"), "{error}");
-    // The scene's only mesh is scaled away.
+    // The scene's only mesh is scaled to zero.
     assert!(changed(|json| json["nodes"][0]["scale"] = json!([0, 0, 0])).contains("no triangles"));
 }
 
@@ -289,7 +289,7 @@ fn missing_files_are_named() {
     assert!(text.contains("buffer 0") && text.contains("gone.bin"), "{text}");
 }
 
-/// Made once: a case would take longer to make it than to load it.
+/// Made once: making it takes longer than loading it.
 static RICH: LazyLock<Vec<u8>> = LazyLock::new(|| rich().glb());
 
 proptest! {
@@ -304,7 +304,7 @@ proptest! {
             let at = at.index(bytes.len());
             bytes[at] ^= mask;
         }
-        // Either way is right; only a panic is not.
+        // A scene and an error are both correct; a panic is not.
         let _ = load_from_memory("scene.glb", &bytes);
     }
 
@@ -312,7 +312,8 @@ proptest! {
     fn changed_digits_never_panic(
         changes in prop::collection::vec((any::<prop::sample::Index>(), b'0'..=b'9'), 1..6)
     ) {
-        // Digits in the JSON are sizes, offsets and indices: this reaches deeper than noise does.
+        // Digits in the JSON are sizes, offsets and indices, so changing them tests more than
+        // random bytes.
         let mut bytes = RICH.clone();
         let digits: Vec<usize> = (20..bytes.len()).filter(|&i| bytes[i].is_ascii_digit()).collect();
         for (at, digit) in changes {

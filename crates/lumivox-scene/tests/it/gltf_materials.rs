@@ -1,4 +1,4 @@
-//! Materials of glTF files and the extensions that say more of them.
+//! Materials of glTF files, and their extensions.
 
 use glam::{Vec3, Vec4};
 use lumivox_scene::{AlphaMode, Material, Scene, Shading, Texture};
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::common::{File, png, shading};
 
-/// A file with one material, and textures of one texel each: these colours.
+/// A file with one material, and textures of one texel each.
 fn painted(material: Value, texels: &[[u8; 4]]) -> File {
     let mut file = File::triangle();
     for texel in texels {
@@ -105,7 +105,7 @@ fn clearcoat_factors_and_textures_are_read() {
     assert_eq!(texel(&scene, material(&scene).clearcoat.texture), [255, 60, 255, 255]);
     assert!(scene.notes.warnings[0].contains("clearcoat's own normal texture"));
 
-    // Textures that lie differently cannot be one, and that is said.
+    // Textures with different placements cannot be combined; a warning says so.
     let mut apart = coat.clone();
     apart["clearcoatRoughnessTexture"] = json!({
         "index": 1, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } },
@@ -141,7 +141,7 @@ fn sheen_and_transmission_are_read() {
     assert_eq!(texel(&scene, sheen.texture), [10, 20, 30, 80]);
     assert_eq!(transmission.factor, 0.5);
     assert_eq!(texel(&scene, transmission.texture), [50, 60, 70, 80]);
-    // Beyond the range of the format.
+    // The factor exceeds the range of the format.
     let sheen = json!({ "sheenColorFactor": [2, 0, 0] });
     let scene = painted(json!({ "extensions": { "KHR_materials_sheen": sheen } }), &[]);
     let scene = scene.load().unwrap();
@@ -194,7 +194,7 @@ fn specular_glossiness_textures_are_converted() {
     };
     let scene = paint(model(1.0), &texels);
     let pbr = shading(&scene, 0);
-    // White times 1 - 0.5029 is sRGB 187, and half of 188's light so, 137.
+    // White times 1 - 0.5029 is sRGB 187; 188 times 1 - 0.5029 is 137.
     assert_eq!(texel(&scene, pbr.base_color_texture), [187, 137, 0, 200]);
     assert_eq!(texel(&scene, pbr.specular_texture), [188, 0, 0, 255]);
     // The glossiness is 0.5 * 51 / 255 = 0.1.
@@ -202,7 +202,7 @@ fn specular_glossiness_textures_are_converted() {
     assert!((pbr.metallic, pbr.roughness, pbr.ior) == (0.0, 1.0, 0.0));
     assert_eq!(pbr.specular_color, Vec3::ONE);
     assert_eq!(pbr.base_color, Vec4::ONE);
-    // The factor counts for the diffuse part, too.
+    // The factor also affects the diffuse part.
     let scene = paint(model(0.0), &texels);
     assert_eq!(texel(&scene, shading(&scene, 0).base_color_texture), [255, 188, 0, 200]);
 }

@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 
 use crate::common::{File, flip_bytes};
 
-/// A square of two triangles, whose vertices and indices lie compressed; the views themselves are
-/// in a buffer that holds nothing.
+/// A square of two triangles with compressed vertices and indices; the views refer to a fallback
+/// buffer without data.
 struct Square {
     file: File,
     fallback_bytes: usize,
@@ -23,7 +23,7 @@ impl Square {
         Self { file, fallback_bytes: 0 }
     }
 
-    /// A compressed view of `count` elements.
+    /// Adds a compressed view of `count` elements.
     fn view(&mut self, encoded: &[u8], count: usize, stride: usize, more: Value) -> usize {
         let stream = self.file.view(encoded);
         let mut extension = self.file.json["bufferViews"][stream].clone();
@@ -95,14 +95,14 @@ fn corners(scene: &Scene) -> Vec<Vec3> {
 fn compressed_positions_and_triangles_are_decoded() {
     let scene = square().load().unwrap();
     let expected: Vec<Vec3> = INDICES.iter().map(|&i| CORNERS[i as usize].into()).collect();
-    // The codec may turn the corners of a triangle round.
+    // The codec may rotate the corners of a triangle.
     for (got, expected) in corners(&scene).chunks(3).zip(expected.chunks(3)) {
         assert!(
             (0..3).any(|turn| (0..3).all(|i| got[i] == expected[(i + turn) % 3])),
             "{got:?} {expected:?}"
         );
     }
-    // Under the newer name, too.
+    // Also with the newer name of the extension.
     let mut file = square();
     let text = file.json.to_string().replace("EXT_meshopt", "KHR_meshopt");
     file.json = serde_json::from_str(&text).unwrap();
@@ -148,7 +148,8 @@ fn meshopt_filters_are_decoded() {
     let view = square.view(&encoded, 4, 8, attributes("OCTAHEDRAL"));
     square.attribute("TANGENT", view, 5122, "VEC4");
 
-    // As colours, since there is no other attribute of four numbers: values stay within 0 and 1.
+    // The quaternions are stored as colours, the only attribute of four numbers, so they are within
+    // 0 and 1.
     let turns = [
         [0.5_f32, 0.5, 0.5, 0.5],
         [0.0, 0.6, 0.0, 0.8],
@@ -191,7 +192,7 @@ fn the_colour_filter_is_decoded() {
     square.file.json["meshes"][0]["primitives"][0]["mode"] = json!(6);
     let scene = square.finish().load().unwrap();
     let mesh = &scene.meshes[0];
-    // A fan without normals: its corners come in their own order.
+    // A fan without normals has another order of corners.
     for (position, (color, uv)) in mesh.positions.iter().zip(mesh.colors.iter().zip(&mesh.uvs)) {
         let i = CORNERS.iter().position(|corner| Vec3::from(*corner) == *position).unwrap();
         for (got, expected) in color.to_array().iter().zip(colors[i]) {
@@ -222,14 +223,14 @@ fn invalid_meshopt_streams_are_refused() {
     assert!(fault(&|e| e["filter"] = json!("OCTAHEDRAL")).contains("filter"));
     fault(&|e| e["mode"] = json!("TRIANGLES"));
     fault(&|e| e["byteLength"] = json!(5));
-    // A buffer without bytes must be a stand-in.
+    // A buffer without bytes must be a fallback buffer.
     let mut file = square();
     file.json["bufferViews"][0].as_object_mut().unwrap().remove("extensions");
     assert!(file.load().unwrap_err().to_string().contains("buffer 1"));
 }
 
-/// A buffer of which all views are compressed is not read, whether it is marked or not, and whether
-/// its file exists or not.
+/// A buffer whose views are all compressed is not read, whether or not it is marked or its file
+/// exists.
 #[test]
 fn fallback_buffers_are_never_read() {
     let expected = square().load().unwrap().meshes;
@@ -241,7 +242,7 @@ fn fallback_buffers_are_never_read() {
         missing.json["buffers"][1]["uri"] = json!("gone.bin");
         assert_eq!(missing.load().unwrap().meshes, expected);
     }
-    // The stream of one may lie in a buffer whose other views are compressed.
+    // A stream may be in a buffer whose views are all compressed.
     let mut mixed = unmarked;
     for view in mixed.json["bufferViews"].as_array_mut().unwrap() {
         view["buffer"] = json!(0);
@@ -253,7 +254,7 @@ fn fallback_buffers_are_never_read() {
 #[test]
 fn flipped_bytes_never_panic() {
     let mut file = square();
-    // The streams lie at the front of the only buffer that has bytes.
+    // The streams are in the first buffer, the only one with bytes.
     file.json["bufferViews"].as_array_mut().unwrap().push(json!({
         "buffer": 0, "byteOffset": 0, "byteLength": file.binary.len(),
     }));

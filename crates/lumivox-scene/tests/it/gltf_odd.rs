@@ -1,5 +1,5 @@
-//! Files that are not glTF by the letter: they are read as intended, with a warning, or the error
-//! says what they are.
+//! Files that are not quite glTF: they are read as intended, with a warning, or the error names
+//! their kind.
 
 use lumivox_scene::Scene;
 use serde_json::json;

@@ -1,4 +1,4 @@
-//! Which scene of a file is loaded, and copies of a mesh on one node.
+//! The choice of a file's scene, and copies of a mesh on one node.
 
 use glam::Vec3;
 use lumivox_scene::{LoadOptions, Scene, SceneError};
@@ -30,7 +30,7 @@ fn three_scenes() -> File {
 #[test]
 fn scenes_are_chosen_by_name_or_number() {
     let file = three_scenes();
-    // A name goes before a number.
+    // A name takes precedence over a number.
     for (wanted, x) in [("near", 0.0), ("0", 0.0), ("1", 20.0), ("2", 20.0)] {
         let scene = load_scene(&file, wanted).unwrap();
         assert_eq!(scene.bounds().min.x, x, "{wanted}");
@@ -53,7 +53,7 @@ fn an_unknown_scene_lists_the_known() {
     assert!(load_scene(&none, "0").unwrap_err().to_string().contains("number: none"));
 }
 
-/// The triangle with the attributes of its copies.
+/// The triangle with copies that have these attributes.
 fn copied(attributes: serde_json::Value) -> File {
     let mut file = File::triangle();
     file.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing"]);
@@ -68,7 +68,7 @@ fn gpu_instances_are_placed_relative_to_their_node() {
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let mut file = copied(json!({}));
     let translations = file.vectors(&[[0.0, 0.0, 0.0], [0.0, 0.0, 5.0], [7.0, 0.0, 0.0]]);
-    // A quarter turn about z, as normalised 16-bit numbers in part; the last is too long.
+    // The second is a rotation by 90 degrees about z; the last does not have unit length.
     let rotations =
         file.vectors(&[[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, half, half], [0.0, 0.0, 0.0, 2.0]]);
     let scales = file.vectors(&[[1.0, 1.0, 1.0], [2.0, 2.0, 2.0], [-1.0, 1.0, 1.0]]);
@@ -107,7 +107,7 @@ fn degenerate_gpu_instances_and_unknown_attributes_give_warnings() {
     assert_eq!(scene.instances.len(), 1);
     let warnings = scene.notes.warnings.join("\n");
     assert!(warnings.contains("2 of 3 copies") && warnings.contains("_COLOR_0"), "{warnings}");
-    // No attribute at all: the node's mesh itself.
+    // Without attributes, the node's mesh is shown once.
     assert_eq!(copied(json!({})).load().unwrap().instances.len(), 1);
 }
 
@@ -126,7 +126,7 @@ fn invalid_gpu_instancing_is_refused() {
     uneven.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] =
         json!({ "TRANSLATION": two, "SCALE": three });
     assert!(fault(uneven).contains("differ in length"));
-    // Zeros, of which a file may claim as many as it has bytes.
+    // A file may claim as many zeros as it has bytes, but these are too many copies.
     let mut many = copied(json!({}));
     many.view(&vec![0; 1_000_001]);
     let zeros = json!({ "componentType": 5126, "count": 1_000_001, "type": "VEC3" });

@@ -20,7 +20,7 @@ fn images_and_buffers_in_files() {
     write(folder.path(), "cube.bin", &file.binary);
     file.json["images"] = json!([{ "uri": "my%20images/deep.png" }]);
     let scene = Scene::load(write(folder.path(), "cube.gltf", &file.naming("cube.bin"))).unwrap();
-    // Sixteen bits a channel become eight, and alpha opaque.
+    // 16 bits per channel become 8, and alpha is opaque.
     assert_eq!(scene.textures[0].rgba8[..4], [255, 128, 0, 255]);
     assert_eq!((scene.textures[0].width, scene.textures[0].height), (3, 1));
 
@@ -32,7 +32,7 @@ fn images_and_buffers_in_files() {
     assert!(scene.textures[0].rgba8[0].abs_diff(100) <= 2);
 }
 
-/// The triangle with images of these bytes, and a material that shows this texture.
+/// The triangle with images of these bytes, and a material with this texture.
 fn with_texture(images: &[&[u8]], texture: Value, info: Value) -> File {
     let mut file = File::triangle();
     for image in images {
@@ -90,17 +90,17 @@ fn a_missing_image_gets_a_visible_stand_in() {
     let scene = file.load().unwrap();
     let material = &scene.materials[0];
     assert!(material.normal_texture.is_none() && material.emissive_texture.is_none());
-    // Without its picture it would glow all over.
+    // Without its texture the whole surface would emit.
     assert_eq!(material.emissive, glam::Vec3::ZERO);
     let board = &scene.textures[shading(&scene, 0).base_color_texture.unwrap().texture];
     assert_eq!((board.width, board.height), (8, 8));
     assert_eq!(board.rgba8[..8], [255, 0, 255, 255, 0, 0, 0, 255]);
-    // Once, although three textures want it.
+    // One warning, although three textures use the image.
     assert_eq!(scene.notes.warnings.len(), 1, "{:?}", scene.notes.warnings);
     let warning = &scene.notes.warnings[0];
     assert!(warning.contains("gone.png") && warning.contains("stand-in"), "{warning}");
 
-    // A texture without any image says so, too.
+    // A texture without an image gives a warning, too.
     let file = with_texture(&[], json!({}), json!({ "index": 0 }));
     let scene = file.load().unwrap();
     assert!(scene.notes.warnings[0].contains("names no image"));
@@ -160,7 +160,7 @@ fn one_image_under_two_samplers_is_two_textures() {
 fn gallery(sizes: &[(u32, u32)]) -> File {
     let mut file = File::triangle();
     for (i, &(width, height)) in sizes.iter().enumerate() {
-        // Columns of black and white: half the light, wherever they are averaged.
+        // Black and white columns, whose mean is always half the light.
         let texels: Vec<u8> = (0..width * height)
             .flat_map(|t| [[0, 0, 0, 255], [255; 4]][(t % 2) as usize])
             .collect();
@@ -196,7 +196,7 @@ fn textures_shrink_into_their_budget() {
     assert_eq!(same, sizes);
     assert!(scene.notes.warnings.is_empty());
 
-    // One byte less: the largest is halved, and no other.
+    // One byte less: only the largest texture is halved.
     let (scene, fewer) = load(all - 1);
     assert_eq!(fewer, [(32, 32), (16, 8), (32, 32), (4, 1)]);
     assert_eq!(scene.notes.warnings.len(), 1);
@@ -206,7 +206,7 @@ fn textures_shrink_into_their_budget() {
     }
     assert_eq!(scene.textures[0].rgba8[..8], [188, 188, 188, 255, 188, 188, 188, 255]);
 
-    // Halved until all fit, from the largest.
+    // Textures are halved until all fit, the largest first.
     let (_, small) = load(1500);
     assert_eq!(small, [(8, 8), (16, 8), (8, 8), (4, 1)]);
     let (scene, single) = load(0);
@@ -233,7 +233,7 @@ fn texture_loading_reports_progress() {
 
 #[test]
 fn an_image_with_an_excessive_size_is_refused() {
-    // 48 bytes that say 16384 x 16384 texels, uncompressed.
+    // 48 bytes that claim 16384 x 16384 texels, uncompressed.
     let mut ktx = b"\xABKTX 20\xBB\r\n\x1A\n".to_vec();
     for word in [37_u32, 1, 16_384, 16_384, 0, 0, 1, 1, 0] {
         ktx.extend(word.to_le_bytes());

@@ -17,7 +17,7 @@ fn a_triangle_gets_all_attributes() {
     assert_eq!(mesh.uvs, [Vec2::ZERO; 3]);
     assert!(mesh.tangents.iter().all(|t| t.truncate().dot(Vec3::Z) == 0.0));
     assert_eq!(scene.instances[0].name, "stand");
-    // Without a material: matte grey instead of glTF's white metal, and said so.
+    // Without a material: matte grey instead of glTF's white metal, with a warning.
     let matte = shading(&scene, 0);
     assert!((matte.metallic, matte.specular, matte.base_color.x) == (0.0, 0.0, 0.5));
     assert!(scene.notes.warnings[0].contains("matte grey"));
@@ -61,7 +61,7 @@ fn lights_take_their_place_from_nodes() {
         { "type": "point", "intensity": 40, "range": 7 },
         { "type": "spot", "intensity": 5, "spot": { "innerConeAngle": 0.2, "outerConeAngle": 0.6 } },
     ] } });
-    // A quarter turn about x takes -z to -y.
+    // A rotation by 90 degrees about x turns -z to -y.
     let half = std::f32::consts::FRAC_1_SQRT_2;
     for light in 0..3 {
         file.node(
@@ -83,7 +83,7 @@ fn lights_take_their_place_from_nodes() {
     assert_eq!((lamp.kind, lamp.intensity), (LightKind::Point, 40.0));
     assert_eq!((lamp.range_m, lamp.position), (Some(7.0), Vec3::new(1.0, 2.0, 3.0)));
     assert_eq!(scene.lights[2].cone_rad(), Some([0.2, 0.6]));
-    // Files round: an inner angle above the outer one by that means a sharp edge.
+    // An inner angle that exceeds the outer one by rounding means a hard edge.
     let spot = &mut file.json["extensions"]["KHR_lights_punctual"]["lights"][2]["spot"];
     spot["innerConeAngle"] = json!(0.600_001);
     let scene = file.load().unwrap();
@@ -100,7 +100,7 @@ fn cameras_take_their_place_from_nodes() {
     let flat = json!({ "xmag": 1, "ymag": 1, "zfar": 9, "znear": 0.1 });
     file.push("cameras", json!({ "type": "orthographic", "orthographic": flat }));
     let half = std::f32::consts::FRAC_1_SQRT_2;
-    // A quarter turn about y takes -z to -x.
+    // A rotation by 90 degrees about y turns -z to -x.
     let node = json!({ "camera": 0, "translation": [5, 1, 0], "rotation": [0, half, 0, half] });
     file.node(node, true);
     file.node(json!({ "camera": 1 }), true);
@@ -135,7 +135,7 @@ fn only_the_default_scene_is_loaded() {
     file.json["scene"] = json!(1);
     let scene = file.load().unwrap();
     assert_eq!((scene.instances.len(), scene.meshes.len()), (2, 1));
-    // Without scenes, all roots.
+    // Without scenes, all root nodes are shown.
     file.json.as_object_mut().unwrap().remove("scene");
     file.json["scenes"] = json!([]);
     assert_eq!(file.load().unwrap().instances.len(), 2);
@@ -150,7 +150,7 @@ fn mirrored_nodes_keep_front_faces() {
     for ([a, b, c], normal) in world_triangles(&scene) {
         assert!((b - a).cross(c - a).normalize().dot(normal) > 0.999);
     }
-    // The image's top must lie where the texture coordinates say, in the mirror, too.
+    // The image's top must follow the texture coordinates, also if the transform mirrors.
     for instance in &scene.instances {
         let (mesh, m) = (&scene.meshes[instance.mesh], instance.world_from_local);
         for [i, j, k] in mesh.triangles() {

@@ -54,7 +54,7 @@ fn other_files_come_from_the_callers_source() {
     assert_eq!(scene.textures[0].rgba8, [1, 2, 3, 4, 5, 6, 7, 8]);
     assert_eq!(scene.notes.warnings, [""; 0]);
 
-    // The scene's own file may be there, too.
+    // The source may also have the scene's own file.
     let mut all = all;
     all.insert("room/scene.gltf".to_owned(), json);
     let mut options = LoadOptions { files: Some(&all), ..LoadOptions::default() };
@@ -76,7 +76,7 @@ fn loading_from_memory_reads_no_files() {
     assert!(fault.to_string().contains("from memory without its other files"), "{fault}");
     let fault = load(&name, &file.naming("data.bin"), Some(&Files::new())).unwrap_err();
     assert!(fault.to_string().contains("not among the scene's files"), "{fault}");
-    // On the disk it is there.
+    // Loading the scene from the disk finds the file.
     std::fs::write(&name, file.naming("data.bin")).unwrap();
     assert!(Scene::load(&name).is_ok());
 }

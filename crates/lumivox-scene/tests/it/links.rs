@@ -1,4 +1,4 @@
-//! Symbolic links beside a scene: followed inside of its folder, and not out of it.
+//! Symbolic links in a scene's folder are followed within the folder, but not out of it.
 
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ fn load_anywhere(scene: &Path) -> Scene {
     Scene::load_with(scene, &mut options).unwrap()
 }
 
-/// The error that a scene is refused with, for a file in the folder outside.
+/// The error of a scene that names a file in the folder outside.
 fn refused(scene: &Path) -> String {
     let error = Scene::load(scene).unwrap_err();
     assert!(matches!(&error, SceneError::RefusedUri { .. }), "{error}");
@@ -49,7 +49,7 @@ fn buffers_are_not_read_through_links_that_lead_out() {
     let Place { folder: _folder, scene, outside } = place();
     let file = File::triangle();
     with(&outside, "secret.bin", &file.binary);
-    // A link to a file, one to a folder, a chain of them, and one by way of a folder inside.
+    // A link to a file, to a folder, a chain of links, and a link through a folder inside.
     symlink(outside.join("secret.bin"), scene.join("link.bin")).unwrap();
     symlink("../outside", scene.join("folder")).unwrap();
     symlink("link.bin", scene.join("chain.bin")).unwrap();
@@ -60,7 +60,7 @@ fn buffers_are_not_read_through_links_that_lead_out() {
         refused(&gltf);
         assert_eq!(load_anywhere(&gltf).triangle_count(), 1);
     }
-    // A neighbour whose name begins alike is not inside.
+    // A neighbouring folder whose name begins like the scene's is outside.
     let neighbour = scene.with_file_name("scene-b");
     std::fs::create_dir(&neighbour).unwrap();
     with(&neighbour, "outside.bin", &file.binary);
@@ -80,14 +80,13 @@ fn links_that_stay_inside_are_followed() {
         let gltf = with(&scene, "scene.gltf", file.naming(uri));
         assert_eq!(Scene::load(gltf).unwrap().triangle_count(), 1, "{uri}");
     }
-    // A link may lead to the folder itself, and the scene may be a link beside the files that it
-    // names.
+    // A link may lead to the folder itself, and the scene's file may be a link.
     symlink(&scene, folder.path().join("elsewhere")).unwrap();
     let there = folder.path().join("elsewhere/scene.gltf");
     assert_eq!(Scene::load(there).unwrap().triangle_count(), 1);
     symlink("scene.gltf", scene.join("alias.gltf")).unwrap();
     assert_eq!(Scene::load(scene.join("alias.gltf")).unwrap().triangle_count(), 1);
-    // One that leads nowhere is a file that is missing.
+    // A broken link counts as a missing file.
     symlink("gone", scene.join("dangling.bin")).unwrap();
     let gltf = with(&scene, "scene.gltf", file.naming("dangling.bin"));
     assert!(matches!(Scene::load(gltf), Err(SceneError::ReadExternal { .. })));
@@ -124,7 +123,8 @@ fn obj_files_cannot_follow_outward_links() {
     symlink(outside.join("secret.mtl"), scene.join("house.mtl")).unwrap();
     symlink("../outside", scene.join("maps")).unwrap();
     let faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl paint\nf 1 2 3\n";
-    // By its name, in another case, as a path of elsewhere, and for want of the one that is named.
+    // The library by its name, in another case, by a path of another machine, and instead of a
+    // missing library.
     for library in ["house.mtl", "HOUSE.MTL", "C:\\maps\\house.mtl", "gone.mtl"] {
         let obj = with(&scene, "house.obj", format!("mtllib {library}\n{faces}"));
         let loaded = Scene::load(&obj).unwrap();
@@ -145,7 +145,7 @@ fn obj_files_cannot_follow_outward_links() {
     assert!(loaded.textures[0].name.starts_with("stand-in"), "{}", loaded.textures[0].name);
     assert!(loaded.notes.warnings.join("\n").contains("a link leads out of"));
     assert_eq!(load_anywhere(&obj).textures[0].rgba8, [1, 2, 3, 255]);
-    // A library in a folder below may use a file beside the scene, by a link that stays inside.
+    // A library in a subfolder may use a file in the scene's folder, by a link that stays inside.
     std::fs::create_dir(scene.join("library")).unwrap();
     with(&scene, "wood.png", png(1, 1, &[9, 8, 7, 255]));
     symlink("../wood.png", scene.join("library/wood.png")).unwrap();
@@ -178,7 +178,7 @@ fn vxct_scenes_can_read_the_programs_folder() {
     let (count, warnings) = shown("models/link.obj");
     assert_eq!(count, 0);
     assert!(warnings.contains("a link leads out of"), "{warnings}");
-    // The folder `scenes` may be a link itself: then both its place and that beside it count.
+    // The folder `scenes` may be a link.
     let moved = folder.path().join("moved");
     std::fs::rename(program.join("scenes"), &moved).unwrap();
     std::fs::remove_file(moved.join("beside.obj")).unwrap();
@@ -189,7 +189,7 @@ fn vxct_scenes_can_read_the_programs_folder() {
     }
 }
 
-/// The pipe has no writer, so opening it waits for ever.
+/// The pipe has no writer, so opening it would block for ever.
 #[test]
 fn pipes_are_refused_at_once() {
     let Place { folder: _folder, scene, .. } = place();

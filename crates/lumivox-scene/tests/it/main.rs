@@ -1,5 +1,5 @@
-//! The crate as its users see it, a topic in each module. It is one program, since each would link
-//! the whole crate.
+//! Tests of the public API, with a module per topic. All are one program, which links the crate
+//! only once.
 
 #![allow(
     clippy::unwrap_used,

@@ -1,4 +1,4 @@
-//! The materials of OBJ files, right and wrong.
+//! Materials of OBJ files, valid and invalid.
 
 use glam::{Vec2, Vec3, Vec4};
 use lumivox_scene::{
@@ -44,7 +44,7 @@ fn warns(scene: &Scene, words: &str) -> bool {
     scene.notes.warnings.iter().any(|warning| warning.contains(words))
 }
 
-/// One texel of that colour.
+/// A PNG of one texel.
 fn dot(color: [u8; 4]) -> Vec<u8> {
     png(1, 1, &color)
 }
@@ -61,7 +61,7 @@ fn plain_materials_become_phong() {
     assert_eq!(material(&scene).alpha, AlphaMode::Opaque);
     assert!(material(&scene).double_sided);
     assert_eq!(material(&scene).name, "m");
-    // One number means three.
+    // One number stands for all three channels.
     assert_eq!(phong(&with("Kd 0.3", &[])).diffuse, Vec3::splat(0.3));
 }
 
@@ -70,7 +70,7 @@ fn no_surface_reflects_more_than_it_receives() {
     let scene = with("Kd 0.8 0.5 1\nKs 0.5 0.5 0.5", &[]);
     assert!((phong(&scene).specular - Vec3::new(0.2, 0.5, 0.0)).length() < 1e-6);
     assert!(warns(&scene, "1 materials would reflect more"));
-    // An image darkens the diffuse part, which leaves room.
+    // An image darkens the diffuse part, which leaves more for `Ks`.
     let scene =
         with("Kd 1 1 1\nKs 0.5 0.5 0.5\nmap_Kd a.png", &[("a.png", dot([0, 128, 255, 255]))]);
     let s = phong(&scene).specular;
@@ -97,7 +97,8 @@ fn opacity_is_read_from_d_tr_and_maps() {
     assert_eq!(material(&scene).alpha, AlphaMode::Mask { cutoff: 0.5 });
     let texture = &scene.textures[phong(&scene).diffuse_texture.unwrap().texture];
     assert_eq!(texture.rgba8, [10, 20, 30, 0, 10, 20, 30, 255]);
-    // A grey one is glass; alpha counts where there is some; and so without a colour.
+    // A grey mask means blending; the image's alpha is used if it has any; all without an image of
+    // the colour.
     let scene = with("map_d m.png", &[("m.png", dot([128, 128, 128, 255]))]);
     assert_eq!(material(&scene).alpha, AlphaMode::Blend);
     assert_eq!(scene.textures[0].rgba8, [255, 255, 255, 128]);
@@ -105,7 +106,7 @@ fn opacity_is_read_from_d_tr_and_maps() {
     assert_eq!(scene.textures[0].rgba8, [255, 255, 255, 100]);
     let scene = with("map_d -imfchan r m.png", &[("m.png", dot([9, 255, 255, 100]))]);
     assert_eq!(scene.textures[0].rgba8[3], 9);
-    // The alpha of a single colour is not used, and a warning says so.
+    // The alpha of `map_Kd` is ignored, with a warning.
     let scene = with("map_Kd c.png", &[("c.png", dot([10, 20, 30, 7]))]);
     assert_eq!(scene.textures[0].rgba8, [10, 20, 30, 255]);
     assert_eq!(material(&scene).alpha, AlphaMode::Opaque);
@@ -147,13 +148,13 @@ fn missing_images_get_a_visible_stand_in() {
         assert!(warns(&scene, words) && warns(&scene, "checker"), "{:?}", scene.notes.warnings);
         let texture = &scene.textures[phong(&scene).diffuse_texture.unwrap().texture];
         assert_eq!(texture.rgba8[..8], [255, 0, 255, 255, 0, 0, 0, 255]);
-        // Images of numbers are left out.
+        // Images that are not colours are left out.
         let scene =
             with(&format!("map_d {name}\nnorm {name}\nPr 1\nmap_Pr {name}\nmap_Ke {name}"), &files);
         assert!(scene.textures.is_empty());
         assert_eq!(scene.notes.warnings.len(), 4, "{:?}", scene.notes.warnings);
     }
-    // Libraries and materials.
+    // Missing libraries and materials.
     let folder = tempfile::tempdir().unwrap();
     let obj = "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
     let path = write(folder.path(), "house.obj", obj.as_bytes());
@@ -162,7 +163,7 @@ fn missing_images_get_a_visible_stand_in() {
     assert!(warns(&scene, "the material \"m\" is in no material library"));
     assert_eq!(physical(&scene).base_color, Vec4::new(0.5, 0.5, 0.5, 1.0));
     assert!(material(&scene).double_sided);
-    // One of the scene's own name helps out.
+    // A library with the scene's name replaces a missing one.
     write(folder.path(), "house.mtl", b"newmtl m\nKd 1 0 0\n");
     let scene = Scene::load(&path).unwrap();
     assert!(warns(&scene, "of the scene's own name"));
@@ -193,7 +194,7 @@ fn several_libraries_and_names_with_spaces() {
     assert!(warns(&scene, "d.mtl, line 1: \"Kd\" was ignored: it comes before"));
 }
 
-/// A triangle for each material of an OBJ file, and their colours.
+/// The colours of an OBJ file with a triangle for each of `materials`.
 fn colors(files: &[(&str, &str)], libraries: &str, materials: &[&str]) -> Vec<Vec3> {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -226,7 +227,7 @@ fn existing_files_disambiguate_library_names() {
     ] {
         assert_eq!(colors(&files, libraries, &["red", "green", "blue"]), expected, "{libraries}");
     }
-    // Materials: the name itself first.
+    // Names of materials: an exact match is preferred.
     let files = [(
         "house.mtl",
         "newmtl red\nKd 1 0 0\nnewmtl Red\nKd 0 1 0\nnewmtl \"blue\" # sky\nKd 0 0 1\n",
@@ -298,10 +299,11 @@ fn bumps_are_normals_or_heights() {
     assert!(warns(&scene, "heights became a normal map"));
     assert_eq!(material(&scene).normal_scale, 1.0);
     let texels: Vec<_> = scene.textures[0].rgba8.chunks(4).map(|t| t[0]).collect();
-    // Uphill to the right at the second texel leans left, and the ends of a slope lie flat.
+    // The second texel rises to the right, so its normal leans left; the lowest and highest texels
+    // are flat.
     assert!(texels[1] < 100 && texels[3] > 155, "{texels:?}");
     assert!(texels[0].abs_diff(128) <= 1 && texels[2].abs_diff(128) <= 1, "{texels:?}");
-    // With a normal map tangents follow the image.
+    // Tangents follow the normal map.
     let tangent = scene.meshes[0].tangents[0];
     assert!((tangent.truncate() - Vec3::X).length() < 1e-6, "{tangent}");
 }

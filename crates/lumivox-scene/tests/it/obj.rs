@@ -1,4 +1,4 @@
-//! The geometry of OBJ files, right and wrong.
+//! The geometry of OBJ files, valid and invalid.
 
 use std::fmt::Write as _;
 
@@ -40,7 +40,7 @@ fn corners_with_any_mix_of_indices_are_read() {
     let flat = mesh.triangles().last().unwrap();
     assert_eq!(flat.map(|i| mesh.positions[i]), [Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0), Vec3::Y]);
     assert!(mesh.normals[flat[0]] == Vec3::Z && mesh.uvs[flat[0]] == Vec2::ZERO);
-    // The two faces with the same corners share vertices, the flat ones do not.
+    // The two faces with equal corners share vertices; flat faces do not.
     assert_eq!(mesh.positions.len(), 3 + 3 + 3 + 6);
 }
 
@@ -72,7 +72,7 @@ fn smoothing_groups_are_smooth_and_the_rest_is_flat() {
     assert!(flat(&normals("s 1\nf 1 2 3\ns 2\nf 4 3 2\n")));
     let shared = normals("s 1\nf 1 2 3\nf 4 3 2\n");
     assert!(smooth(&shared) && shared.len() == 2);
-    // Across materials and seams of the texture, too.
+    // Also across materials and seams of the texture.
     assert!(smooth(&normals("s 7\nf 1 2 3\nusemtl b\nf 4 3 2\n")));
     assert!(smooth(&normals("vt 0 0\nvt 1 1\ns 1\nf 1/1 2/1 3/1\nf 4/2 3/2 2/2\n")));
 }
@@ -80,7 +80,7 @@ fn smoothing_groups_are_smooth_and_the_rest_is_flat() {
 #[test]
 fn the_crease_option_decides_smoothing() {
     let folder = tempfile::tempdir().unwrap();
-    // The seam in the texture is not an edge.
+    // A seam of the texture is not a sharp edge.
     let text = format!("{ROOF}vt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 4/2 3/2 2/2\n");
     let path = write(folder.path(), "house.obj", text.as_bytes());
     for (degrees, is_smooth) in [(89.0_f32, false), (91.0, true)] {
@@ -115,7 +115,7 @@ fn vertices_have_colors() {
     let colors = &scene.meshes[0].colors;
     assert!((colors[0].y - 0.2140).abs() < 1e-3 && colors[2] == glam::Vec4::ONE, "{colors:?}");
     assert!(warns(&scene, "in their vertices' colours"));
-    // Bytes.
+    // Colours as bytes.
     let scene = read("v 0 0 0 255 0 0\nv 1 0 0 0 0 255\nv 0 1 0 0 128 0\nf 1 2 3\n");
     let colors = &scene.meshes[0].colors;
     assert!((colors[0].x - 1.0).abs() < 1e-5 && (colors[2].y - 0.2159).abs() < 1e-3);
@@ -187,7 +187,7 @@ fn vertices_missing_a_colour_are_reported() {
     let scene = read("v 0 0 0 1 0 0\nv 1 0 0 0 1 nan\nv 0 1 0\nf 1 2 3\n");
     assert_eq!(scene.meshes[0].colors[1..], [glam::Vec4::ONE; 2]);
     assert!(warns(&scene, "2 vertices have no colour, or one that is not finite"));
-    // A little more than one is rounding, and not a byte.
+    // A value slightly above 1 is a rounding error, not a byte.
     let scene = read("v 0 0 0 1.001 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n");
     assert_eq!(scene.meshes[0].colors[0], scene.meshes[0].colors[1]);
 }

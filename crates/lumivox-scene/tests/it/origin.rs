@@ -1,4 +1,4 @@
-//! Files with places on a map, millions of metres from zero.
+//! Files in map coordinates, millions of metres from zero.
 
 use glam::{DVec3, Vec3};
 use lumivox_scene::{AnimationChoice, LoadOptions, Scene, UpAxis};
@@ -13,7 +13,8 @@ fn at(offset: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|axis| PLACE[axis] + offset[axis])
 }
 
-/// The triangle of [`File::triangle`] at [`PLACE`], to a tenth of a millimetre, with a warning.
+/// Fails unless the triangle of [`File::triangle`] is at [`PLACE`], to a tenth of a millimetre,
+/// with a warning.
 #[track_caller]
 fn is_in_place(scene: &Scene) {
     let corners = world_triangles(scene)[0].0;
@@ -31,7 +32,7 @@ fn is_in_place(scene: &Scene) {
 fn text_formats_keep_large_coordinates() {
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(at);
     let lines = |word: &str| corners.map(|[x, y, z]| format!("{word} {x} {y} {z}\n")).concat();
-    // A vertex that nothing uses, and one of each reader.
+    // The first vertex is unused.
     let obj = format!("v 0 0 0\n{}f 2 3 4\n", lines("v"));
     let stl = format!(
         "solid a\nfacet normal 0 0 1\nouter loop\n{}endloop\nendfacet\nendsolid\n",
@@ -60,8 +61,8 @@ fn nodes_keep_large_coordinates_at_rest_and_in_motion() {
     by_matrix.json["nodes"][0]["matrix"] = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1]);
     is_in_place(&by_matrix.load().unwrap());
 
-    // As exporters of files in millimetres with z up write it: a root that turns and scales, and
-    // the place below.
+    // As in files in millimetres with z up: a root that rotates and scales, and a child with the
+    // position.
     let mut below = File::triangle();
     let turn = json!([-0.707_106_781_186_547_5, 0, 0, 0.707_106_781_186_547_5]);
     below.json["nodes"][0]["translation"] = json!([1e3 * x, -1e3 * z, 1e3 * y]);
@@ -80,11 +81,11 @@ fn nodes_keep_large_coordinates_at_rest_and_in_motion() {
     is_in_place(&scene);
     scene.pose(AnimationChoice::One(0), 1.0).unwrap();
     let corner = world_triangles(&scene)[0].0[0].as_dvec3() + scene.origin;
-    // Keys are 32-bit floats in the file.
+    // The file stores keys as 32-bit floats.
     assert!((corner - DVec3::from(at([0.0, 2.0, 0.0]))).length() < 0.3, "{corner}");
 }
 
-/// A concave pentagon of 20 cm, whose corners f32 would move by more than that.
+/// A concave pentagon of 20 cm; rounding to f32 would move its corners farther.
 #[test]
 fn polygons_far_from_zero_are_cut_correctly() {
     let corners = [[0.0, 0.0], [0.2, 0.0], [0.2, 0.2], [0.1, 0.05], [0.0, 0.2]];
@@ -101,7 +102,7 @@ fn polygons_far_from_zero_are_cut_correctly() {
     assert!((area - 0.025).abs() < 1e-4, "{area}");
 }
 
-/// LV95 in millimetres, with z up: the unit is a decimal, which f32 is not.
+/// LV95 in millimetres, with z up: f32 cannot represent the decimal unit.
 #[test]
 fn decimal_units_keep_large_coordinates_exact() {
     let text = "v 2600000250 1200000750 0\nv 2600001250 1200000750 0\nv 2600000250 1200001750 0\nf 1 2 3\n";
@@ -128,7 +129,7 @@ fn children_of_turning_nodes_keep_large_coordinates() {
     scene.pose(AnimationChoice::One(0), 1.0).unwrap();
     let corner = world_triangles(&scene)[0].0[0].as_dvec3() + scene.origin;
     let [x, y, z] = PLACE;
-    // A quarter turn about y.
+    // Rotated by 90 degrees about y.
     assert!((corner - DVec3::new(z, y, -x)).length() < 1.0, "{corner}");
 }
 

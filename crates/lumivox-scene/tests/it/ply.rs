@@ -1,4 +1,4 @@
-//! PLY files, right and wrong.
+//! PLY files, valid and invalid.
 
 use glam::{Vec2, Vec3};
 use lumivox_scene::{LoadOptions, MemoryBudget, Scene, SceneError};
@@ -6,7 +6,8 @@ use proptest::prelude::*;
 
 use crate::common::{load, load_from_memory, write};
 
-/// A square and a triangle that is upright on its edge, with all properties that are read and more.
+/// A square, and an upright triangle on its edge, with all properties that are read, and some
+/// others.
 const HEADER: &str = "comment made by hand
 obj_info of no use
 element camera 1
@@ -48,7 +49,7 @@ enum Value {
 }
 use Value::{F32, F64, I16, I32, U8, U32};
 
-/// The body, one element a row.
+/// The body, with an element per row.
 fn rows() -> Vec<Vec<Value>> {
     let mut rows = vec![vec![F32(1.5), U8(2), I32(7), I32(8)]];
     let places = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [1, 0, 1]];
@@ -215,7 +216,7 @@ fn elements_may_come_in_any_order_and_share_lines() {
         let is_told = scene.notes.warnings.iter().any(|w| w.contains("counts as vertex_indices"));
         assert_eq!(is_told, !odd.contains("vertex_index\n"), "{odd}");
     }
-    // Surplus words still cost nothing.
+    // Surplus words are harmless.
     let surplus = text.replace("0 0 0\n", "0 0 0 7 7 7\n").replace("3 0 1 2\n", "3 0 1 2 9 9\n");
     assert_eq!(load("scan.ply", surplus.as_bytes()).unwrap().meshes, expected);
 }
@@ -231,7 +232,7 @@ fn packed_colors_are_unpacked() {
             ("uint", U32),
             ("int", |bits| I32(bits.cast_signed())),
         ] {
-            // As a float it is not a number; text cannot hold that.
+            // As a float the bits are NaN, which text cannot express.
             let bits = if format == "ascii" { 0x00c8_6400 } else { 0xffc8_6400 };
             let mut rows = rows();
             rows[1..6].iter_mut().for_each(|row| row.insert(4, pack(bits)));
@@ -319,7 +320,7 @@ fn huge_counts_take_no_memory() {
         let header = HEADER
             .replace("element camera 1", &format!("element nothing {huge}\nelement camera 1"));
         load("scan.ply", &file(format, &header, &rows())).unwrap();
-        // A list that says it is long.
+        // A list with too large a length.
         let mut long = rows();
         let header =
             HEADER.replace("list uchar int vertex_indices", "list uint int vertex_indices");

@@ -1,4 +1,4 @@
-//! STL files, right and wrong.
+//! STL files, valid and invalid.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use crate::common::{load, load_from_memory, world_triangles, write};
 
 type Triangle = [[f32; 3]; 3];
 
-/// Two faces of a roof with an angle of 90 degrees between their normals, the ridge along y.
+/// Two faces of a roof with an angle of 90 degrees between their normals, and the ridge along y.
 const ROOF: [Triangle; 2] = [
     [[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 2.0, 1.0]],
     [[1.0, 0.0, 0.0], [0.0, 2.0, 1.0], [0.0, 0.0, 1.0]],
@@ -21,7 +21,7 @@ fn binary(header: &[u8], count: u32, triangles: &[Triangle], attribute: u16) -> 
     bytes.resize(80, b' ');
     bytes.extend(count.to_le_bytes());
     for triangle in triangles {
-        // A normal that is not to be trusted.
+        // A wrong normal.
         bytes.extend([f32::NAN, 7.0, 0.0].iter().flat_map(|v| v.to_le_bytes()));
         bytes.extend(triangle.iter().flatten().flat_map(|v| v.to_le_bytes()));
         bytes.extend(attribute.to_le_bytes());
@@ -70,7 +70,7 @@ fn binary_and_text_are_the_same_scene() {
         assert!(scene.instances[0].name.eq_ignore_ascii_case("roof"));
         assert_eq!(scene.notes.warnings.len(), 1);
     }
-    // One line, and no name in any encoding.
+    // All facets in one line, and a name that is not ASCII.
     let line = text("t\u{fc}r", &ROOF).replace('\n', " ").replacen("facet", "\nfacet", 1);
     assert_roof(&load("part.stl", line.as_bytes()).unwrap());
     let mut latin = text("t?r", &ROOF).into_bytes();
@@ -81,7 +81,7 @@ fn binary_and_text_are_the_same_scene() {
 #[test]
 fn a_binary_header_may_begin_like_text() {
     assert_roof(&load("part.stl", &binary(b"solid made by hand", 2, &ROOF, 0)).unwrap());
-    // Even with a wrong count, for text has no zero bytes.
+    // Also with a wrong count, since text has no zero bytes.
     assert_roof(&load("part.stl", &binary(b"solid", 0, &ROOF, 0)).unwrap());
 }
 

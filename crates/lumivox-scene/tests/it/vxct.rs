@@ -1,5 +1,5 @@
-//! The scenes of VXCT's format that come with the program, and the features of scenes that the
-//! format needs: instances that are hidden or not voxelized, and a box for the voxels.
+//! The shipped scenes in VXCT's format, and the features of scenes that the format needs: instances
+//! that are hidden or not voxelized, and a box for the voxels.
 
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,7 @@ fn shipped_scenes_load_without_warnings_and_round_trip() {
         assert_eq!(scene.notes.warnings, [""; 0], "{}", file.display());
         assert_eq!(scene.notes.scenes.concat(), scene.name, "the file is called as its scene");
         assert!(scene.triangle_count() > 30 && scene.shines());
-        // All of it lies in the box that VXCT voxelizes.
+        // The whole scene is in the box that VXCT voxelizes.
         let (all, cube) = (scene.bounds(), scene.grid_bounds.unwrap());
         assert!(cube.contains(all.min) && cube.contains(all.max), "{all:?}");
         let glb = scene.to_glb().unwrap();
@@ -128,7 +128,7 @@ fn hidden_instances_do_not_count() {
     assert_eq!(scene.triangle_count(), near.triangle_count());
     assert_eq!(scene.shown().count(), 1);
     assert_eq!(Framing::of(&scene).outside(1.5), Framing::of(&near).outside(1.5));
-    // A light that is hidden does not shine.
+    // A hidden light does not shine.
     let mut lamp = all;
     lamp.lights.clear();
     lamp.environment.radiance = Vec3::ZERO;
@@ -200,7 +200,7 @@ fn invisible_nodes_hide_their_children() {
     let mut required = hierarchy();
     required.json["extensionsRequired"] = json!(["KHR_node_visibility"]);
     assert_eq!(required.load().unwrap().instances.len(), 2);
-    // One that says nothing, or something else, is visible.
+    // A node with any other value of `visible` is visible.
     for extension in [json!({}), json!({ "visible": 0 }), json!({ "visible": true })] {
         let mut file = hierarchy();
         file.json["nodes"][1]["extensions"]["KHR_node_visibility"] = extension;
@@ -237,7 +237,7 @@ fn instance_marks_survive_posing() {
         }
         assert_eq!(marks(&scene), expected, "at {time_s} s");
     }
-    // Nothing is left to see, unless the scene brings a box.
+    // Without visible instances, only a scene with a box is valid.
     scene.instances.iter_mut().for_each(|instance| instance.is_hidden = true);
     assert!(matches!(scene.pose(AnimationChoice::All, 0.5), Err(SceneError::NothingAtTime { .. })));
     scene.grid_bounds = Some(Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE });

@@ -24,7 +24,7 @@ enum Use {
     Nothing,
 }
 
-/// Makes triangles from `corners` for the element with this index.
+/// Makes triangles from `corners`, for the entry with this index.
 type Add<'f> = fn(&mut Body<'f>, usize) -> Result<(), SceneError>;
 
 /// The state of reading the body.

@@ -8,7 +8,7 @@ use glam::Vec3;
 use lumivox_scene::{LoadOptions, MetallicRoughness, Scene, SceneError, Shading};
 use serde_json::{Value, json};
 
-/// A glTF document in the making: JSON, and the bytes of its only buffer.
+/// A glTF document being built: JSON, and the bytes of its only buffer.
 #[derive(Clone)]
 pub struct File {
     pub json: Value,
@@ -49,7 +49,7 @@ impl File {
         list.len() - 1
     }
 
-    /// A buffer view of these bytes, aligned to four.
+    /// Adds a buffer view of these bytes, aligned to four.
     pub fn view(&mut self, bytes: &[u8]) -> usize {
         self.binary.resize(self.binary.len().next_multiple_of(4), 0);
         let offset = self.binary.len();
@@ -58,14 +58,14 @@ impl File {
         self.push("bufferViews", view)
     }
 
-    /// An accessor of float vectors.
+    /// Adds an accessor of float vectors.
     pub fn vectors<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
         let bytes: Vec<u8> = values.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
         let view = self.view(&bytes);
         self.accessor(view, 5126, values.len(), &format!("VEC{N}"))
     }
 
-    /// An accessor of 16-bit indices.
+    /// Adds an accessor of 16-bit indices.
     pub fn indices(&mut self, values: &[u16]) -> usize {
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         let view = self.view(&bytes);
@@ -83,14 +83,14 @@ impl File {
         self.push("meshes", json!({ "name": "thing", "primitives": [primitive] }))
     }
 
-    /// An accessor of single floats.
+    /// Adds an accessor of single floats.
     pub fn floats(&mut self, values: &[f32]) -> usize {
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         let view = self.view(&bytes);
         self.accessor(view, 5126, values.len(), "SCALAR")
     }
 
-    /// An animation whose channels (node, path, interpolation, values) share their times.
+    /// Adds an animation whose channels (node, path, interpolation, values) share their times.
     pub fn animation(
         &mut self,
         name: &str,
@@ -112,7 +112,7 @@ impl File {
         self.push("animations", animation)
     }
 
-    /// A node; a root of the scene where asked.
+    /// Adds a node, which is a root of the scene if `root`.
     pub fn node(&mut self, node: Value, root: bool) -> usize {
         let index = self.push("nodes", node);
         if root {
@@ -121,7 +121,7 @@ impl File {
         index
     }
 
-    /// The JSON, with empty lists left out and the buffer declared.
+    /// The JSON, without empty lists, and with the buffer.
     fn document(&self, uri: Option<&str>) -> Vec<u8> {
         let mut json = self.json.clone();
         let object = json.as_object_mut().unwrap();
@@ -160,7 +160,7 @@ impl File {
         self.document(Some(&data_uri("application/octet-stream", &self.binary)))
     }
 
-    /// JSON that names the buffer's file.
+    /// JSON that refers to the buffer's file.
     pub fn naming(&self, uri: &str) -> Vec<u8> {
         self.document(Some(uri))
     }
@@ -170,7 +170,7 @@ impl File {
     }
 }
 
-/// The message of the error, which must name the file.
+/// The error of loading, which must name the file.
 pub fn fault(file: &File) -> String {
     let error = file.load().unwrap_err().to_string();
     assert!(error.contains("scene.glb: "), "{error}");
@@ -237,7 +237,7 @@ pub fn world_triangles(scene: &Scene) -> Vec<([Vec3; 3], Vec3)> {
     triangles
 }
 
-/// The numbers of a material that must be metallic-roughness.
+/// The properties of a material that must be metallic-roughness.
 pub fn shading(scene: &Scene, material: usize) -> MetallicRoughness {
     match scene.materials[material].shading {
         Shading::MetallicRoughness(shading) => shading,
@@ -295,14 +295,13 @@ pub fn textured_cube() -> File {
     file
 }
 
-/// Changes some bytes of a buffer view, many times over; whatever comes of it, it must not be a
-/// panic. A linear congruential generator (Knuth 1998, volume 2, section 3.3.4) chooses, so that a
-/// failure repeats.
+/// Loads copies with some random bytes of a buffer view changed, which must not panic. A linear
+/// congruential generator (Knuth 1998, volume 2, section 3.3.4) makes failures repeatable.
 pub fn flip_bytes(original: &File, view: usize, times: usize) {
     let number = |key: &str| original.json["bufferViews"][view][key].as_u64().unwrap() as usize;
     let (begin, length) = (number("byteOffset"), number("byteLength"));
     let whole = original.glb();
-    // The binary chunk ends the file.
+    // The binary chunk is at the end of the file.
     let binary = whole.len() - original.binary.len().next_multiple_of(4);
     let mut state = 1_u64;
     let mut draw = |below: usize| {

@@ -7,14 +7,14 @@ use serde_json::json;
 
 use super::File;
 
-/// Rings along the tube's axis, and corners of each.
+/// Rings along the tube's axis, and corners of each ring.
 pub const RINGS: usize = 31;
 pub const CORNERS: usize = 24;
 /// The tube starts at the origin and has this height and radius, in metres.
 pub const HEIGHT_M: f32 = 3.0;
 pub const RADIUS_M: f32 = 0.4;
 
-/// The nodes that the file's tests change.
+/// The file, and its nodes that tests change.
 pub struct Tube {
     pub file: File,
     /// The node with mesh and skin.
@@ -23,8 +23,8 @@ pub struct Tube {
 }
 
 /// The tube along +y. Bones are at heights 0, 1 and 2 m. The animation "bend" takes two seconds:
-/// the two upper bones turn by 45 degrees each about z, towards -x, and the middle swells to twice
-/// its radius.
+/// the two upper bones rotate by 45 degrees each about z, towards -x, and the middle swells to
+/// twice its radius.
 pub fn tube() -> Tube {
     let mut file = File::new();
     let (mut positions, mut normals, mut uvs) = (Vec::new(), Vec::new(), Vec::new());
@@ -32,7 +32,7 @@ pub fn tube() -> Tube {
     let (mut bulge, mut indices) = (Vec::new(), Vec::new());
     for ring in 0..RINGS {
         let share = ring as f32 / (RINGS - 1) as f32;
-        // Which bones hold a height: each its own metre, with a blend around the borders.
+        // Each bone moves one metre of the tube, with a blend around the borders.
         let height = share * HEIGHT_M;
         let blend = |border: f32| ((height - border) / 0.8 + 0.5).clamp(0.0, 1.0);
         let (second, third) = (blend(1.0), blend(2.0));

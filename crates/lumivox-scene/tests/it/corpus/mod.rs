@@ -1,5 +1,5 @@
 //! Runs the fuzz targets' committed inputs (`fuzz/corpus`), as a fuzzer would: seeds, and inputs
-//! that once made a loader fail. `fuzz/README.md` says how to fuzz.
+//! that once made a loader fail. See `fuzz/README.md`.
 
 #[path = "../../../../../fuzz/targets.rs"]
 mod targets;
@@ -10,7 +10,7 @@ fn folder(target: &str) -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "..", "..", "fuzz", "corpus", target].iter().collect()
 }
 
-/// Each input in a line of its own, so that the last line is the input that failed.
+/// Prints each input on a separate line, so that the last line is the input that failed.
 #[test]
 fn no_corpus_input_makes_a_loader_panic() {
     for target in targets::TARGETS {

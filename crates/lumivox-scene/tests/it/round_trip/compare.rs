@@ -1,15 +1,15 @@
-//! Equality of scenes, whatever the order of their lists.
+//! Equality of scenes, independent of the order of their lists.
 
 use glam::{Vec3, Vec4};
 use lumivox_scene::{Camera, Material, Mesh, Scene, Shading, Texture, TextureRef};
 
-/// An instance with all that it refers to.
+/// An instance with everything that it refers to.
 #[derive(Debug, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "as the instances that it is made of")]
 struct Resolved {
     name: String,
     mesh: Mesh,
-    /// Its textures are numbered in their order in `textures`.
+    /// The material; its texture indices refer to `textures`.
     material: Material,
     textures: Vec<Texture>,
     world_from_local: [f32; 16],
@@ -23,7 +23,7 @@ fn resolve(scene: &Scene) -> Vec<Resolved> {
     let resolved = |instance: &lumivox_scene::Instance| {
         let mut material = scene.materials[instance.material].clone();
         if let Shading::Unlit(_) = material.shading {
-            // All the rest is about light.
+            // Only lit materials use the other fields.
             let Material { name, shading, alpha, double_sided, .. } = material;
             material = Material { name, shading, alpha, double_sided, ..Material::default() };
         }
@@ -95,14 +95,14 @@ pub fn assert_same(saved: &Scene, loaded: &Scene) {
     for (saved, loaded) in saved.cameras.iter().zip(&loaded.cameras) {
         assert_same_camera(saved, loaded);
     }
-    // Instances still share the same data, and nothing has multiplied.
+    // Instances still share data, and nothing was duplicated.
     assert!(meshes(loaded) <= meshes(saved), "{} > {}", meshes(loaded), meshes(saved));
     assert!(loaded.materials.len() <= saved.materials.len());
     assert!(loaded.textures.len() <= saved.textures.len());
 }
 
-/// How many meshes instances use, counting those apart that are mirrored, and those whose material
-/// wants other vertex data: coordinates, second ones, tangents.
+/// The number of meshes that instances use. Mirrored meshes, and meshes whose material needs other
+/// vertex data (texture coordinates, a second set, tangents), count separately.
 fn meshes(scene: &Scene) -> usize {
     let used = scene.instances.iter().map(|instance| {
         let material = &scene.materials[instance.material];
@@ -116,7 +116,7 @@ fn meshes(scene: &Scene) -> usize {
     used.collect::<std::collections::HashSet<_>>().len()
 }
 
-/// The textures that count.
+/// The textures that have an effect.
 fn resolve_textures(material: &Material) -> Vec<TextureRef> {
     match &material.shading {
         Shading::Unlit(unlit) => unlit.color_texture.into_iter().collect(),
@@ -127,12 +127,12 @@ fn resolve_textures(material: &Material) -> Vec<TextureRef> {
 fn assert_same_camera(saved: &Camera, loaded: &Camera) {
     let up = loaded.up;
     assert_eq!(*saved, Camera { up: saved.up, ..loaded.clone() });
-    // The writer keeps an up whose part along the line of sight is below 1e-6, and rounding in f32
-    // adds some 1e-7 for each product here.
+    // The writer does not change an up vector whose part along the line of sight is below 1e-6;
+    // each product here adds a rounding error of about 1e-7.
     assert!(up.dot(loaded.forward).abs() < 2e-6, "{loaded:?}");
     assert!((up.length() - 1.0).abs() < 2e-6);
     let turned = saved.up.as_dvec3() - up.as_dvec3() * saved.up.as_dvec3().dot(up.as_dvec3());
-    // The rest of the saved up vector lies along the line of sight: the roll is the same.
+    // The difference to the saved up vector is along the line of sight, so the roll is unchanged.
     let sideways = saved.forward.as_dvec3().cross(turned).length();
     if saved.up.cross(saved.forward).length() > 0.1 {
         assert!(sideways < 2e-6, "{sideways}");

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-/// Panics where the bytes break the rules of a GLB file.
+/// Panics if the bytes violate a rule of GLB files.
 pub fn check(glb: &[u8]) {
     let (json, binary) = split(glb);
     let document = Document { json, binary };
@@ -49,7 +49,7 @@ struct Document<'a> {
     binary: &'a [u8],
 }
 
-/// An index that must be there.
+/// An index that must exist.
 fn index(value: &Value) -> usize {
     usize::try_from(value.as_u64().unwrap_or_else(|| panic!("{value} is no index"))).unwrap()
 }
@@ -58,7 +58,7 @@ fn floats(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
 }
 
-/// A number in a range, where it is given.
+/// Checks that a number, if it is given, is in a range.
 fn within(object: &Value, key: &str, min: f64, max: f64) {
     let values = match &object[key] {
         Value::Null => Vec::new(),
@@ -77,7 +77,7 @@ impl Document<'_> {
 
     fn structure(&self) {
         assert_eq!(self.json["asset"]["version"], "2.0");
-        // Section 5: lists are left out rather than empty.
+        // Section 5: lists must not be empty.
         for (name, value) in self.json.as_object().unwrap() {
             assert!(value.as_array().is_none_or(|list| !list.is_empty()), "{name} is empty");
         }
@@ -105,7 +105,7 @@ impl Document<'_> {
         &self.binary[offset..offset + index(&view["byteLength"])]
     }
 
-    /// An accessor's numbers; its elements lie tightly, and fill the view.
+    /// An accessor's numbers; its elements must be packed, and fill the view.
     fn numbers(&self, accessor: usize) -> Vec<f64> {
         let accessor = &self.list("accessors")[accessor];
         let bytes = self.bytes_of_view(index(&accessor["bufferView"]));
@@ -204,7 +204,7 @@ impl Document<'_> {
             assert!(number < count as f64 && number < restart);
         }
 
-        // Textures want their coordinates, normal textures tangents or normals.
+        // Textures need coordinates, normal textures also tangents or normals.
         let material = &self.list("materials")[index(&primitive["material"])];
         each_object(material, &mut |object| {
             if object.contains_key("index") {
@@ -272,7 +272,7 @@ impl Document<'_> {
         assert_eq!(self.json["scene"], 0);
         let roots: Vec<usize> =
             self.list("scenes")[0]["nodes"].as_array().unwrap().iter().map(index).collect();
-        // Lists may not be empty.
+        // Lists must not be empty.
         assert!(!roots.is_empty());
         assert_eq!(roots, (0..nodes.len()).collect::<Vec<_>>());
         for node in nodes {
@@ -283,7 +283,7 @@ impl Document<'_> {
             let light = &node["extensions"]["KHR_lights_punctual"];
             let rotated = !node["camera"].is_null() || !light.is_null();
             if rotated && !node["matrix"].is_null() {
-                // A rigid motion: other programs take it apart.
+                // The matrix must be a rigid motion, since other programs decompose it.
                 let m = floats(&node["matrix"]);
                 let axes = [&m[0..3], &m[4..7], &m[8..11]];
                 for axis in axes {
@@ -330,7 +330,7 @@ impl Document<'_> {
         assert!(self.json["extensionsRequired"].is_null(), "everyone may read this");
     }
 
-    /// No weight without a use.
+    /// Checks that everything in the file is used.
     fn nothing_is_unused(&self) {
         let mut used: std::collections::BTreeMap<&str, BTreeSet<usize>> = [
             ("accessors", BTreeSet::new()),

@@ -1,4 +1,4 @@
-//! A scene that is saved as GLB loads as the same scene, and the file follows the specification.
+//! A scene saved as GLB loads as the same scene, and the file follows the specification.
 
 mod compare;
 mod conformance;
@@ -16,9 +16,9 @@ fn load(name: &str, glb: &[u8]) -> Scene {
     Scene::from_memory(&file, glb, &mut LoadOptions::default()).unwrap()
 }
 
-/// Shows where two files part.
+/// Panics with the first difference of two files.
 fn assert_same_file(once: &[u8], twice: &[u8]) {
-    // A file's length and its JSON's differ as a consequence.
+    // Skips the lengths of the file and the JSON, which differ as a consequence.
     let text = |glb: &[u8], at: usize| {
         let end = glb.len().min(at + 150);
         String::from_utf8_lossy(&glb[at.saturating_sub(150).min(end)..end]).into_owned()
@@ -30,12 +30,12 @@ fn assert_same_file(once: &[u8], twice: &[u8]) {
     assert!(once == twice);
 }
 
-/// Saves, loads, and does both again.
+/// Saves and loads a scene, twice.
 fn round_trip(scene: &Scene) -> Scene {
     let glb = scene.to_glb().unwrap();
     conformance::check(&glb);
     let loaded = load(&scene.name, &glb);
-    // That is said of scenes, not of files.
+    // An outlier causes a warning.
     let strays = usize::from(scene.outlier().is_some());
     assert_eq!(loaded.notes.warnings.len(), strays, "{:?}", loaded.notes.warnings);
     assert_eq!(loaded.notes.degenerate_triangles, 0);
@@ -50,7 +50,7 @@ proptest! {
 
     #[test]
     fn random_scenes_survive_to_the_bit(scene in strategy::scene()) {
-        // If most places are far from zero, a file is counted from there, and others are rounded.
+        // If most positions are far from zero, loading sets an origin, and rounds other positions.
         prop_assume!(load(&scene.name, &scene.to_glb().unwrap()).origin == scene.origin);
         round_trip(&scene);
     }
@@ -58,7 +58,7 @@ proptest! {
 
 #[test]
 fn builtin_scenes_survive_to_the_bit() {
-    // Large scenes add nothing new, but take as long as all of the others.
+    // Large scenes test nothing more, but take as long as all others.
     for name in builtin::names().iter().filter(|name| !builtin::is_large(name)) {
         round_trip(&builtin::scene(name).unwrap());
     }
@@ -95,7 +95,7 @@ fn duplicate_meshes_are_stored_once() {
         twice.instances.push(copy);
     }
     let grown = twice.to_glb().unwrap().len() - once;
-    // A node takes a name and a number, and at most 16 numbers of a dozen digits.
+    // A node has a name, an index, and at most 16 numbers of a dozen digits.
     assert!(grown < scene.instances.len() * 300, "{grown} bytes");
 }
 
@@ -122,7 +122,7 @@ fn save_errors_name_the_file() {
     assert!(matches!(Scene::default().to_glb(), Err(SceneError::NoTriangles { .. })));
 }
 
-/// A saved file in which all occurrences of a text in its JSON are another of the same length.
+/// Replaces a text in the JSON of a saved file by another of equal length.
 fn with_json(glb: &[u8], text: &str, other: &str) -> Vec<u8> {
     let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     let json = std::str::from_utf8(&glb[20..20 + length]).unwrap();
@@ -132,7 +132,7 @@ fn with_json(glb: &[u8], text: &str, other: &str) -> Vec<u8> {
     changed
 }
 
-/// Extras have no standard: another program may have changed the rest of the file.
+/// Another program may have changed the rest of the file.
 #[test]
 fn extras_that_do_not_fit_are_ignored_with_a_warning() {
     let mut scene = builtin::scene("cornell").unwrap();
@@ -149,7 +149,7 @@ fn extras_that_do_not_fit_are_ignored_with_a_warning() {
     }
 }
 
-/// Programs that do not know our exact matrix have offset, rotation and scale, which say the same.
+/// For programs that ignore the exact matrix, offset, rotation and scale are equivalent.
 #[test]
 fn texture_transforms_are_correct_without_extras() {
     for (scale, angle_rad) in [(Vec2::new(2.0, 0.5), 0.7), (Vec2::new(1.0, -3.0), -2.5)] {

@@ -1,4 +1,4 @@
-//! Random scenes with everything that the model knows.
+//! Random scenes with all features of the model.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
 
-/// Scenes that are valid, with up to a handful of each thing.
+/// Valid scenes, with a few of each thing.
 pub fn scene() -> impl Strategy<Value = Scene> {
     let things = (
         vec(mesh(), 1..4),
@@ -51,12 +51,12 @@ pub fn scene() -> impl Strategy<Value = Scene> {
         })
 }
 
-/// Names with anything in them, none longer than the 80 characters that loaders keep.
+/// Names of any characters, at most the 80 that loaders keep.
 fn name() -> impl Strategy<Value = String> {
     prop_oneof!["[a-z]{1,8}", any::<String>().prop_map(|name| name.chars().take(80).collect()),]
 }
 
-/// 0 to 1, the ends included, and quarters, which files may leave out as defaults.
+/// 0 to 1, with both ends, and with quarters, which may be defaults that files omit.
 fn unit() -> impl Strategy<Value = f32> {
     let quarter = (0..=4_u8).prop_map(|quarters| f32::from(quarters) / 4.0);
     prop_oneof![quarter, 0.0..=1.0_f32, 0.0..1e-30_f32]
@@ -88,7 +88,7 @@ fn rgba() -> impl Strategy<Value = Vec4> {
     prop_oneof![Just(Vec4::ONE), (rgb(UNIT), unit()).prop_map(|(rgb, a)| rgb.extend(a))]
 }
 
-/// For where a strategy must be copied.
+/// A strategy that can be copied.
 const UNIT: std::ops::RangeInclusive<f32> = 0.0..=1.0;
 
 fn point() -> impl Strategy<Value = Vec3> {
@@ -124,7 +124,7 @@ fn mesh() -> impl Strategy<Value = Mesh> {
                 mesh.tangents.push(if tangents {
                     tangent.extend(if turned { -1.0 } else { 1.0 })
                 } else {
-                    // The loader's tangents where none are needed.
+                    // The loader's default tangents, if none are needed.
                     normal.any_orthonormal_vector().extend(1.0)
                 });
             }
@@ -139,7 +139,7 @@ fn texture() -> impl Strategy<Value = Texture> {
     let filter = prop_oneof![Just(Filter::Nearest), Just(Filter::Linear)];
     let sampler = (wrap.clone(), wrap, filter.clone(), filter)
         .prop_map(|(wrap_u, wrap_v, magnify, minify)| Sampler { wrap_u, wrap_v, magnify, minify });
-    // Opaque, all but opaque, and any.
+    // Opaque, nearly opaque, and any alpha.
     let least_alpha = prop_oneof![Just(255), Just(254), Just(0)];
     (name(), 1..6_u32, 1..6_u32, sampler, least_alpha).prop_flat_map(
         |(name, width, height, sampler, least_alpha)| {
@@ -269,7 +269,7 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
     )
 }
 
-/// Turned, scaled, mirrored and sheared; from a thousandth to a thousand times the size.
+/// Rotations, scales from a thousandth to a thousand, mirrors and shears.
 fn transform() -> impl Strategy<Value = Mat4> {
     let size = || {
         (0.1..1.0_f32, -3..4_i32, any::<bool>())
@@ -286,7 +286,7 @@ fn transform() -> impl Strategy<Value = Mat4> {
         Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), translation.extend(1.0))
     });
     prop_oneof![Just(Mat4::IDENTITY), placed, sheared]
-        // A determinant whose sign rounding may turn has no defined side.
+        // Rounding may change the sign of small determinants.
         .prop_filter("flattened", |m| m.determinant().abs() > 1e-9)
 }
 
