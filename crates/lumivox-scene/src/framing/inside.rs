@@ -72,7 +72,7 @@ fn spots(rays: &Rays, points: &[Vec3], patches: &[Patch]) -> Vec<Spot> {
 }
 
 /// The best view from one of the points, and the share of the patches that it shows; `None` if all
-/// are too close to something.
+/// points are too close to a surface.
 pub(super) fn view(
     rays: &Rays,
     points: &[Vec3],

@@ -117,8 +117,8 @@ fn key(forward: Vec3) -> Vec3 {
 
 /// The direction of the sun that lights the most surfaces of a place; `None` if none lights any.
 ///
-/// Half of the surfaces are those visible from all over the place. The other half are those visible
-/// from the eye, if it is inside: a patch of sunlight there makes the picture.
+/// Surfaces are those visible from all over the place, and, about half, those visible from the eye,
+/// since sunlight matters most in the picture.
 fn entering(rays: &Rays, patches: &[Patch], eye: Vec3) -> Option<Vec3> {
     let mut surfaces = patches.to_vec();
     if !surfaces.is_empty() {

@@ -39,10 +39,10 @@ pub use fineness::{Fineness, Shade, ShadowMapFineness};
 pub use sight::{Note, Sight, SightOptions, Staging};
 pub use stage::{DefaultLight, Ground};
 
-/// A place with a smaller mean share of gaps around its points counts as closed: a window of a
-/// tenth of one wall lets in more.
+/// A place with a smaller mean share of gaps around its points counts as closed: a window in a
+/// tenth of one wall is a larger gap.
 const CLOSED: f32 = 0.01;
-/// If this share of a place is visible from outside, the place lacks a wall and is viewed from
+/// If this share of a place is visible from outside, a wall is missing, and the view is from
 /// outside.
 const OPEN_FRONT: f32 = 0.6;
 /// If this share of a place is visible through an opening, a camera that must be outside looks

@@ -174,7 +174,7 @@ fn fit(corners: &[Vec3], towards_eye: Vec3, aspect: f32) -> Camera {
     }
     let away_x = (right + left) * 0.5 / tan_x;
     let away_y = (top + bottom) * 0.5 / tan_y;
-    // A line seen along its axis has no width; keep a tenth of its size away nevertheless.
+    // Keeps a tenth of the size away, even from a line seen along its axis, which has no width.
     let size = (right + left).max(top + bottom).max(nearest - farthest).max(1e-3);
     let away = away_x.max(away_y).max(nearest + 0.1 * size.min(1.0));
     let eye = Vec3::new((right - left) * 0.5, (top - bottom) * 0.5, away);

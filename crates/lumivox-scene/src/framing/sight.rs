@@ -112,7 +112,7 @@ impl Sight {
         let light = match options.staging {
             Staging::None => None,
             Staging::Studio => {
-                // The added light is dim enough for the scene's own emission to be visible.
+                // The studio is dim enough for the scene's own emission to be visible.
                 let emission = Emission::of(scene, &survey().rays);
                 Some(survey().studio(&camera, &emission))
             }
@@ -124,8 +124,8 @@ impl Sight {
                 light
             }
         };
-        // Surveying a large scene takes seconds, so it is not done only for these notes unless the
-        // scene is thin.
+        // A survey of a large scene takes seconds, so only thin scenes are surveyed just for these
+        // notes.
         let is_thin = options
             .fineness
             .voxel_m

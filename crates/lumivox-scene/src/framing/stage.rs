@@ -130,8 +130,8 @@ impl Ground {
         Self { center, radius_m: REACH * unit.scale_m, half_m, material }
     }
 
-    /// Adds two instances: the part near the scene, and, slightly lower, the part far outside the
-    /// grid, which is not voxelized.
+    /// Adds two instances: the voxelized part near the scene, and, slightly lower, the whole
+    /// ground, which is not voxelized.
     fn put_into(&self, scene: &mut Scene) {
         let name = &self.material.name;
         let far =
@@ -220,7 +220,7 @@ impl Framing {
         DefaultLight::SunAndSky { sun, sky: Arc::new(map), ground }
     }
 
-    /// A studio. If something emits, white on the studio's ground is at most as bright: most files
+    /// A studio. If something emits, a white surface on the ground is at most as bright: most files
     /// give lamps 1 cd/m², which would not visibly glow beside bright walls.
     pub(super) fn studio(&self, camera: &Camera, emission: &Emission) -> DefaultLight {
         let studio = Studio::new();

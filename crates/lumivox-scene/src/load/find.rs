@@ -18,8 +18,8 @@ const LONGEST_PATH: usize = 4096;
 /// The most components of a path that remain when its leading folders are dropped.
 const MOST_FOLDERS: usize = 32;
 
-/// Finds the file called `name` in the first of the folders of the files `beside`; the error gives
-/// the reason and a remedy.
+/// Finds the file called `name` in the folders of the files `beside`, in order; the error gives the
+/// reason and a remedy.
 pub(super) fn find(beside: &[&Path], name: &[u8], reach: Reach<'_>) -> Result<PathBuf, String> {
     if name.len() > LONGEST_PATH {
         return Err(format!("\"{}\" is too long for a path", readable(name)));

@@ -39,7 +39,7 @@ pub(super) fn attributes(mesh: &mut Mesh, notes: &mut Notes) {
     }
 }
 
-/// Normalises normals; those without a direction are replaced by their triangles'.
+/// Normalises normals; normals of length zero are replaced by their triangles'.
 pub(super) fn directions(mesh: &mut Mesh, notes: &mut Notes) {
     let broken = normals::repair(&mut mesh.normals, &mesh.positions, &mesh.indices);
     if broken > 0 {

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 /// change its last digits each time that a scene is saved and loaded. 1e-5 is about 80 units in the
 /// last place, more than the rounding error of normalising.
 pub(crate) fn to_unit(v: Vec3) -> Option<Vec3> {
-    // In f64, where no finite f32 vector's length overflows or vanishes.
+    // In f64, where the length of a finite f32 vector cannot overflow or underflow.
     let wide = v.as_dvec3();
     if (wide.length() - 1.0).abs() <= 1e-5 {
         return Some(v);

@@ -267,7 +267,7 @@ fn unit_or(v: Vec3, fallback: Vec3) -> Vec3 {
     if squared > 1e-30 && squared < 1e30 {
         return v / squared.sqrt();
     }
-    // In f64 no finite f32 vector's length overflows or vanishes.
+    // In f64, the length of a finite f32 vector cannot overflow or underflow.
     v.as_dvec3().try_normalize().map_or(fallback, DVec3::as_vec3)
 }
 

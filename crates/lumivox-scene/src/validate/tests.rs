@@ -180,7 +180,8 @@ fn flat_transforms_get_a_thickness() {
 
 #[test]
 fn scene_size_counts_only_remaining_triangles() {
-    // The large triangle is a line and goes; the small one, far from the origin, rounds to a point.
+    // The large triangle is a line and is removed; the small one, far from the origin, rounds to a
+    // point.
     let error = fault(|s| {
         s.meshes[0].positions.extend([Vec3::ZERO, Vec3::splat(1e-12), Vec3::X * 1e-12]);
         s.meshes[0].positions[2] = Vec3::X * 2.0;

@@ -178,7 +178,7 @@ fn vxct_scenes_can_read_the_programs_folder() {
     let (count, warnings) = shown("models/link.obj");
     assert_eq!(count, 0);
     assert!(warnings.contains("a link leads out of"), "{warnings}");
-    // The folder `scenes` may be a link.
+    // The folder `scenes` may be a link: models are found in its target, and beside the link.
     let moved = folder.path().join("moved");
     std::fs::rename(program.join("scenes"), &moved).unwrap();
     std::fs::remove_file(moved.join("beside.obj")).unwrap();

@@ -12,8 +12,9 @@ use super::super::shapes::{Faces, FrameFaces, append, cuboid, frame, quad};
 use super::paint::{Opening, Paint, Wall, chance, pick};
 use crate::Mesh;
 
-/// The height of a storey and of its rooms, m; the slab between them is 30 cm thick.
+/// The height of a storey, m.
 pub(super) const STOREY_M: f32 = 3.0;
+/// The height of a room, m, below a slab of 30 cm.
 const ROOM_M: f32 = 2.7;
 /// The height of the lowest floor above the ground.
 pub(super) const FOOT_M: f32 = 0.12;

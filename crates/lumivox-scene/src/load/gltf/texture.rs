@@ -3,7 +3,7 @@
 //! If a texture names images both by an extension and by the core format, the extension's is tried
 //! first, and the other is used if the first cannot be read. A scene with a missing or broken image
 //! is still loaded, with a warning: a colour is replaced by a board of magenta and black; other
-//! textures are dropped. Occlusion textures are not read: renderers compute occlusion, which would
+//! textures are dropped. Occlusion textures are not read: renderers compute occlusion, so it would
 //! count twice.
 
 use std::borrow::Cow;
@@ -90,7 +90,7 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// Whether both have the same coordinates and sampling, so that one image can hold both.
+    /// Whether both have the same coordinates and sampling, so that one image can contain both.
     pub(super) fn matches(&self, other: &Self) -> bool {
         Self { image: other.image, ..*self } == *other
     }

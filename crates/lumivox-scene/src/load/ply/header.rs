@@ -190,8 +190,8 @@ struct HeadLines<'a, R> {
     line: Vec<u8>,
     bytes: usize,
     number: u64,
-    /// `true` if lines end in CR only; `None` before the first line, which decides. After a CR, LF
-    /// may be the first byte of the body.
+    /// `true` if lines end in CR only; `None` before the first line, which decides. If `true`, an
+    /// LF may be the first byte of the body.
     cr: Option<bool>,
 }
 

@@ -97,7 +97,8 @@ struct Reader<'r, 't> {
 }
 
 impl<'t> Reader<'_, 't> {
-    /// Reads the block that begins at the brace `open`, up to its end; `None` reads the whole file.
+    /// Reads the entries after the brace `open`, up to the matching brace; without `open`, the
+    /// whole file.
     fn block(&mut self, open: Option<Token<'t>>, depth: usize) -> Result<Block<'t>, SceneError> {
         let at = open.map_or(Place { line: 1, column: 1 }, |brace| brace.at);
         if depth > DEEPEST {

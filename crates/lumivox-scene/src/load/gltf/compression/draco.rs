@@ -2,7 +2,7 @@
 //! stream of the Draco library, decoded by `draco-core`.
 //!
 //! The accessors of the compressed attributes have no data; they get the decoded data. Draco may
-//! split vertices, so the decoder returns their number.
+//! split vertices, so the decoder returns the number of vertices.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
