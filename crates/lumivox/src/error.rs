@@ -1,22 +1,21 @@
-//! The library's errors, typed, with the remedy in the message.
+//! The library's errors, with the remedy in the message.
 
 use lumivox_wgsl::ShaderError;
 
 use crate::settings::SettingError;
 
-/// An error of the library. Every message says what was requested, what prevents it and what would
-/// help.
+/// An error of the library. Every message says what was requested, why it failed and what helps.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GiError {
-    /// The device cannot hold or bind something of the size that was asked for.
+    /// The device cannot hold or bind something of the requested size.
     #[error(
         "{what} needs {needed} {unit}, but this device's limit `{limit}` is {available}; {remedy}"
     )]
     Limit {
         /// The thing that does not fit.
         what: String,
-        /// How much it needs.
+        /// The needed size.
         needed: u64,
         /// The unit of `needed` and `available`.
         unit: &'static str,
@@ -33,7 +32,7 @@ pub enum GiError {
     Budget {
         /// The thing that does not fit.
         what: String,
-        /// How much it needs, bytes.
+        /// The needed bytes.
         needed: u64,
         /// The allowed number of bytes.
         budget: u64,
@@ -65,8 +64,7 @@ pub enum GiError {
     NothingToVoxelize {
         /// Triangles that were given.
         triangles: u64,
-        /// How many of them have no area, which is rounded at the scale of a voxel, or have
-        /// coordinates that are not finite.
+        /// Triangles without an area, at the precision of the grid, or with non-finite coordinates.
         skipped: u64,
     },
     /// A shader failed to link or to validate: a bug in this crate or in a shader added by the

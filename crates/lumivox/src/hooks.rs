@@ -1,9 +1,9 @@
 //! Hooks: traits by which a caller replaces one of Lumivox's methods.
 //!
-//! A hook is set in [`GiConfig`](crate::GiConfig). It is a cheap description that creates the
-//! object that does the work on a device, or provides its WGSL. The replacement reads and writes
-//! the same data as Lumivox's own method, so everything before and after it stays the same. A hook
-//! that is not set compiles no GPU code. `lumivox-classics` is built on them.
+//! A hook is set in [`GiConfig`](crate::GiConfig). It is a cheap description: it creates the object
+//! that does the work on a device, or provides its WGSL. The replacement reads and writes the same
+//! data as Lumivox's own method, so everything before and after it stays the same. A hook that is
+//! not set compiles no GPU code. `lumivox-classics` consists of hooks.
 
 pub use crate::cones::ConeModel;
 pub use crate::light::{FaceLight, Injection, InjectionParts, Injector, MappedLight};

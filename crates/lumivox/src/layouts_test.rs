@@ -1,5 +1,5 @@
-//! Every struct that Rust and WGSL share lies in memory alike, and every shader is valid, without a
-//! GPU.
+//! Checks without a GPU that structs have the same layout in Rust and WGSL, and that every shader
+//! is valid.
 
 use lumivox_reflect::{check_modules, check_struct};
 

@@ -9,8 +9,8 @@
 //! pixels of the caller's G-buffer.
 //!
 //! A cone returns radiance, irradiance is the cosine-weighted sum over cones, and outgoing radiance
-//! is albedo / pi times irradiance: there is no scale to tune. All concurrent writes are integer
-//! sums or bit sets, so two runs give the same bits.
+//! is albedo / pi times irradiance, without a scale to tune. All concurrent writes are integer sums
+//! or bit sets, so two runs give the same bits.
 
 mod cascades;
 mod cones;

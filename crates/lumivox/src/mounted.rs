@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-/// A WGSL module of the caller's that replaces one of Lumivox's, so that Lumivox reads the caller's
+/// A caller's WGSL module that replaces one of Lumivox's, so that Lumivox reads the caller's
 /// textures in their own format ([`GiConfig::gbuffer`](crate::GiConfig::gbuffer),
 /// [`GiConfig::shadow_maps`](crate::GiConfig::shadow_maps)).
 ///
@@ -12,7 +12,7 @@ use std::borrow::Cow;
 pub struct Mounted {
     /// The source, in WGSL with imports ([`ShaderLibrary`](crate::gpu::ShaderLibrary)).
     pub source: Cow<'static, str>,
-    /// Types of its bindings, in order.
+    /// Types of the module's bindings, in order.
     pub bindings: Vec<wgpu::BindingType>,
 }
 

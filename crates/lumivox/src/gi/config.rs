@@ -19,11 +19,11 @@ pub struct GiConfig {
     /// How cells are stored.
     pub volume: VolumeKind,
     /// `true` to store the light of the faces also in cells and filter it into a pyramid, for views
-    /// of them. Default: false. Octrees and [`Self::cones`], which march through cells, have cells
-    /// anyway.
+    /// of them. Default: false. Octrees and [`Self::cones`] always have cells, since cones march
+    /// through them.
     pub keeps_cells: bool,
     /// How an octree's nodes are built; `None` (the default): numbered by ranks in bit masks, in
-    /// the same order in every run. A dense volume has no nodes.
+    /// the same order in every run. Unused by dense volumes.
     pub octree_builder: Option<Arc<dyn OctreeBuilding>>,
     /// Maximum bytes of the cells; `None` (the default): as many as the device allows. While an
     /// octree grows, its old buffers exist in addition.
@@ -34,8 +34,7 @@ pub struct GiConfig {
     /// How the light of lamps and suns gets into the voxels; `None` (the default): each face
     /// evaluates each light.
     pub injection: Option<Arc<dyn Injection>>,
-    /// The start and direction of cones, and what their samples show; `None` (the default):
-    /// physically based cones.
+    /// The start, direction and samples of cones; `None` (the default): physically based cones.
     pub cones: Option<Arc<dyn ConeModel>>,
     /// Reads the caller's G-buffer in its own format: a module that replaces
     /// `package::trace::gbuffer`, with its functions `load_surface`, `load_specular` and
@@ -45,8 +44,8 @@ pub struct GiConfig {
     /// Reads the caller's shadow maps in their own format: a module that replaces
     /// `package::light::shadow_map`, with its function `shadow_map_visibility`, and bindings from 8
     /// on of group 2. The module decides what the `first_layer` of [`Shadow::Map`](crate::Shadow)
-    /// names. If the function returns a negative number, because no map covers the place, a cone is
-    /// traced instead. `None` (the default): [`ShadowMaps`](crate::ShadowMaps).
+    /// names. The function returns a negative number if no map covers the place; a cone is traced
+    /// then. `None` (the default): [`ShadowMaps`](crate::ShadowMaps).
     pub shadow_maps: Option<Mounted>,
 }
 
@@ -68,7 +67,7 @@ impl GiConfig {
         }
     }
 
-    /// Whether there are cells.
+    /// `true` if the volume has cells.
     pub fn has_cells(&self) -> bool {
         self.keeps_cells || self.cones.is_some() || matches!(self.volume, VolumeKind::Octree)
     }

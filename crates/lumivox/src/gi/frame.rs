@@ -1,4 +1,4 @@
-//! A frame of an engine, which never waits for the GPU.
+//! Updates in an engine's frames, which never wait for the GPU.
 
 use super::Gi;
 use crate::cones::TraceSettings;
@@ -12,9 +12,9 @@ use crate::{Geometry, GiError};
 /// The inputs of [`Gi::frame`].
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
-    /// The triangles; `None`: the voxels stay.
+    /// The triangles; `None`: the voxels do not change.
     pub geometry: Option<&'a Geometry>,
-    /// The lights; `None`: the light of the voxels stays.
+    /// The lights; `None`: the voxels' light does not change.
     pub lights: Option<&'a Lights>,
     /// The settings of the cones.
     pub settings: &'a TraceSettings,
@@ -33,20 +33,20 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// How far voxels and light have followed their inputs, from the results that have been read back.
+/// Progress of voxels and light towards their inputs, from the results that have been read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct FrameStatus {
     /// `true` if the voxels are those of an earlier frame: a buffer overflowed, or static surface
-    /// is still being rebuilt. Later calls of [`Gi::frame`] make up for it by themselves.
+    /// is still being rebuilt. Later calls of [`Gi::frame`] catch up.
     pub is_late: bool,
     /// `true` if it is not known yet whether the last frame that recorded voxels overflowed a
     /// buffer; `is_late` then describes an earlier one.
     pub is_pending: bool,
-    /// `true` if the last geometry was an error: the voxels are those of an earlier one.
+    /// `true` if the last geometry caused an error: the voxels are those of an earlier geometry.
     pub is_refused: bool,
-    /// Frames until less than a hundredth of the last change of the light is missing, with cascades
-    /// in the finest; 0 before there is light.
+    /// Frames until less than a hundredth of the light's last change is missing (with cascades, in
+    /// the finest one); 0 before there is light.
     pub frames_left: u32,
     /// Occupied voxels.
     pub voxels: u32,
@@ -55,7 +55,7 @@ pub struct FrameStatus {
 }
 
 impl FrameStatus {
-    /// Whether voxels and light are those of their inputs.
+    /// `true` if voxels and light match their inputs.
     pub fn is_ready(&self) -> bool {
         !self.is_late && !self.is_pending && !self.is_refused && self.frames_left == 0
     }
@@ -63,20 +63,20 @@ impl FrameStatus {
 
 impl Gi {
     /// Updates voxels and light in the caller's frame: for engines, in every frame, before
-    /// [`Self::trace`]. It waits for nothing, and records nothing if nothing has changed and all
-    /// light has converged.
+    /// [`Self::trace`]. It does not wait, and records nothing if nothing has changed and all light
+    /// has converged.
     ///
     /// Triangles are voxelized if [`Geometry`] has changed, or cascades have moved. The voxels have
     /// the same bits as those of [`Self::voxelize_dynamic`]. If buffers are too small for them, the
     /// previous voxels stay; the needed size is known a few frames later, and then the buffers
-    /// grow. New static draws take a few frames, too. An octree has buffers of its own: while they
-    /// are too small, it shows its last voxels, with their light. [`FrameStatus::is_late`] says so.
-    /// Once all buffers are large enough, no buffer and no bind group is created.
+    /// grow. New static draws take a few frames, too. An octree also has its own buffers: while
+    /// they are too small, it shows its last voxels, with their light. [`FrameStatus::is_late`] is
+    /// `true` meanwhile. Once all buffers are large enough, no buffer and no bind group is created.
     ///
-    /// Light continues from the last call of this or of [`Self::light`]: direct light, if lights or
-    /// surfaces have changed, and one gather. It travels one bounce a frame, and converges to the
-    /// result of [`Self::light`] with very many bounces. Some 32 gathers after the last change it
-    /// has converged.
+    /// Light continues from the last call of this function or of [`Self::light`]: it computes
+    /// direct light, if lights or surfaces have changed, and one gather. Light travels one bounce a
+    /// frame, and converges to the result of [`Self::light`] with very many bounces, about 32
+    /// gathers after the last change.
     ///
     /// The places of an octree's bricks, which decide the last bits of what cones see, depend on
     /// the lists that it has shown. The same calls lead to the same places as long as no buffer
@@ -126,9 +126,9 @@ impl Gi {
     /// # Errors
     /// [`GiError::Setting`] when a setting is out of range, [`GiError::Geometry`] if draws and
     /// buffers contradict each other, [`GiError::Limit`] if the needed buffers do not fit the
-    /// device, [`GiError::Budget`] if an octree exceeds the memory budget. The shown voxels then do
-    /// not change; later calls light them, and try again once geometry or cascades have changed.
-    /// Submit the encoder all the same: buffers may have grown.
+    /// device, [`GiError::Budget`] if an octree exceeds the memory budget. After an error the
+    /// voxels do not change; later calls light them, and voxelize again once geometry or cascades
+    /// have changed. Submit the encoder all the same: buffers may have grown.
     pub fn frame(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -164,7 +164,7 @@ impl Gi {
             voxelized = self.voxelize_frame(recorder, geometry);
         }
         if has_grown && (self.is_refused || voxelized.is_err()) {
-            // The volume has to show the last list in its new buffers.
+            // The volume must show the last list in its new buffers.
             self.changes.begin(recorder);
             self.lighting.disturb();
             self.show_list(recorder)?;
@@ -179,8 +179,7 @@ impl Gi {
         self.volume.octree_mut().map_or(Ok(false), |octree| octree.grow(recorder, has_moving))
     }
 
-    /// How far voxels and light have followed the last call of [`Self::frame`]. It records nothing
-    /// and does not wait.
+    /// Progress since the last call of [`Self::frame`]. Records nothing and does not wait.
     pub fn status(&self) -> FrameStatus {
         let FrameVoxels { is_late, is_pending, voxels, faces } = self.voxel_status();
         let is_refused = self.is_refused;
@@ -252,7 +251,7 @@ impl Gi {
         volume.show(recorder, shown, wrong)
     }
 
-    /// How far the voxels have followed, from the results that have been read back.
+    /// Status of the voxels, from the results that have been read back.
     pub(crate) fn voxel_status(&self) -> FrameVoxels {
         // A lost device is reported elsewhere.
         let _ = self.device.poll(wgpu::PollType::Poll);

@@ -29,15 +29,15 @@ use place::refuse_with_cascades;
 pub struct Voxelized {
     /// Counts, and bytes by buffer.
     pub stats: VoxelizeStats,
-    /// Time of each pass, if asked for.
+    /// Time of each pass; empty with `Timing::Off`.
     pub times: Vec<StageTime>,
 }
 
 /// Voxel cone tracing on the caller's device.
 ///
-/// An engine calls [`Self::frame`] and [`Self::trace`] in every frame. A still calls
-/// [`Self::voxelize`], [`Self::light`] and [`Self::trace`]: the same voxels, awaited, with as many
-/// bounces as asked for.
+/// An engine calls [`Self::frame`] and [`Self::trace`] in every frame. A still image takes
+/// [`Self::voxelize`], which waits for the same voxels, [`Self::light`], with any number of
+/// bounces, and [`Self::trace`].
 ///
 /// ```
 /// # pollster::block_on(async {
@@ -101,7 +101,7 @@ pub struct Gi {
     bounces: u32,
     /// Changes whenever the volume's content changes.
     content: u64,
-    /// The version of the geometry that was voxelized, or refused, last.
+    /// The version of the last geometry, whether it was voxelized or refused.
     geometry: Option<u64>,
     /// `true` if that geometry was refused.
     is_refused: bool,
@@ -240,7 +240,7 @@ impl Gi {
     /// # Errors
     /// [`GiError::NothingToVoxelize`] without a usable triangle, [`GiError::Limit`] if the voxels
     /// do not fit the device, [`GiError::Budget`] if they exceed the memory budget. After an error
-    /// the previous voxels are still there, unless there are dynamic draws.
+    /// the previous voxels remain, unless there are dynamic draws.
     pub async fn voxelize(
         &mut self,
         geometry: &Geometry,
@@ -252,12 +252,13 @@ impl Gi {
     }
 
     /// Like [`Self::voxelize`] after dynamic draws have changed, appeared or disappeared, but does
-    /// not walk the static ones ([`Draw::is_static`](crate::Draw)) again: the same bits in less
+    /// not voxelize the static ones ([`Draw::is_static`](crate::Draw)) again: the same bits in less
     /// time.
     ///
     /// The vertices, indices and textures of static draws must not have changed since the last call
-    /// of either. If anything else about them has changed, such as a transform, a material or the
-    /// buffers themselves, everything is voxelized; see [`VoxelizeStats::static_reused`].
+    /// of either function. If anything else about static draws has changed, such as a transform, a
+    /// material or the buffers themselves, everything is voxelized; see
+    /// [`VoxelizeStats::static_reused`].
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -322,8 +323,8 @@ impl Gi {
     }
 
     /// Queues the kernels that a geometry and cones with these settings need for
-    /// [`Pipelines::compile`](crate::gpu::Pipelines::compile): without bounces only those of direct
-    /// light, with `in_frames` also those that only [`Self::frame`] runs. All others are
+    /// [`Pipelines::compile`](crate::gpu::Pipelines::compile): without bounces only kernels of
+    /// direct light, with `in_frames` also those that only [`Self::frame`] runs. Other kernels are
     /// compiled on first use.
     ///
     /// # Errors
@@ -369,8 +370,8 @@ impl Gi {
     /// Binds lights for [`Self::light`] and [`Self::trace`]. `environment` is what lies outside the
     /// grid: a radiance, or an [`EnvironmentLight`] with a map. The map's brightest parts
     /// ([`EnvironmentMap::lights`]) are lights as well: they are added after `lights`, with cone
-    /// shadows, unless they are among them. `shadows` are maps for lights with
-    /// [`Shadow::Map`](crate::Shadow); `None` if there are none. [`Lights::update`] changes them.
+    /// shadows, unless `lights` contains them. `shadows` are maps for lights with
+    /// [`Shadow::Map`](crate::Shadow), or `None`. [`Lights::update`] changes the lights.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -446,14 +447,14 @@ impl Gi {
     }
 
     /// Sets the values of the [`ConeModel`](crate::hooks::ConeModel) for later calls of
-    /// [`Self::light`] and [`Self::trace`]. Another model needs another `Gi`.
+    /// [`Self::light`] and [`Self::trace`]. The model itself cannot change.
     pub fn set_cone_values(&mut self, values: [f32; 4]) {
         self.cone_values = values;
         self.content += 1;
     }
 
-    /// Makes the next call of [`Self::light`] store and filter all voxels, even those whose light
-    /// has not changed: for measurements.
+    /// For measurements: makes the next call of [`Self::light`] store and filter all voxels, even
+    /// those whose light has not changed.
     pub fn forget_light(&mut self) {
         self.changes.forget();
         self.lighting.disturb();
@@ -461,16 +462,16 @@ impl Gi {
 
     /// Changed cells, a bit each, laid out as
     /// [`VoxelList::occupancy`](crate::voxels::VoxelList::occupancy); `None` before there is a
-    /// list. After [`Self::light`]: the cells that it wrote, because their content or that of a
-    /// cell below had changed. After a voxelization: the cells whose surface has changed, including
+    /// list. After [`Self::light`]: the cells that it wrote, because their content or a finer
+    /// cell's had changed. After a voxelization: the cells whose surface has changed, including
     /// removed ones.
     pub fn changed_cells(&self) -> Option<&Buffer> {
         self.changes.bits()
     }
 }
 
-/// Checks the bindings and workgroup sizes that WebGPU guarantees and the kernels need: engines may
-/// request less.
+/// Checks for the bindings and workgroup sizes that the kernels need: WebGPU guarantees them, but
+/// engines may request less.
 fn check_limits(limits: &wgpu::Limits) -> Result<(), GiError> {
     let counts = |name: &str| {
         ["_per_shader_stage", "_compute_", "bind_groups"].iter().any(|part| name.contains(part))

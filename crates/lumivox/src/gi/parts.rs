@@ -41,12 +41,12 @@ impl Gi {
         &self.shaders
     }
 
-    /// The pipeline cache of its device: create your own pipelines there.
+    /// The device's pipeline cache: create your own pipelines there.
     pub fn pipelines(&self) -> &Pipelines {
         &self.device
     }
 
-    /// The configuration that it was created with.
+    /// The configuration; its grid moves with [`Self::center_on`].
     pub fn config(&self) -> &GiConfig {
         &self.config
     }
@@ -126,8 +126,7 @@ impl Gi {
         &self.gbuffer_layout
     }
 
-    /// Bytes on the GPU, by purpose; buffers that only a voxelization needs are listed in its
-    /// statistics.
+    /// Bytes on the GPU, by purpose, without the buffers that only a voxelization needs.
     pub fn memory(&self) -> Vec<(&'static str, u64)> {
         let mut memory = self.volume.memory();
         memory.extend(self.changes.memory());

@@ -5,11 +5,10 @@ use crate::GiError;
 
 impl Gi {
     /// Centres the boxes of a clipmap ([`Grid::cascades`](crate::Grid::cascades)) on a place in the
-    /// world, m: that of the camera. Returns `true` if they have to move; then the next
-    /// voxelization moves them. [`Self::voxelize`] does so at once. [`Self::frame`]
-    /// voxelizes the moved boxes over a few frames without waiting and shows the old ones until it
-    /// has finished; voxels that stay in a box keep the light that they have gathered. A move that
-    /// is in progress is finished before the next one starts.
+    /// world, m, usually the camera's. Returns `true` if the boxes have to move: the next
+    /// voxelization moves them. [`Self::voxelize`] does so at once. [`Self::frame`] voxelizes the
+    /// moved boxes over a few frames without waiting and shows the old ones until then; voxels that
+    /// stay in a box keep their light. A move in progress is finished before the next one starts.
     ///
     /// # Errors
     /// As [`Grid::center_on`](crate::Grid::center_on).
@@ -29,7 +28,7 @@ impl Gi {
     }
 }
 
-/// Refuses a caller's own method with cascades: such methods handle only one box.
+/// Refuses a caller's own method with cascades, since it handles only one box.
 pub(super) fn refuse_with_cascades(name: &'static str, is_given: bool) -> Result<(), GiError> {
     if !is_given {
         return Ok(());

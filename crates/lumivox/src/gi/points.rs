@@ -1,4 +1,4 @@
-//! Irradiance at any points.
+//! Irradiance at arbitrary points.
 
 use glam::Vec3;
 
@@ -8,14 +8,13 @@ use crate::gpu::{Recorder, read_buffer};
 use crate::light::Lights;
 use crate::points::{GatherPoints, GatherSettings, GatheredPoint, Irradiance, PointGatherer};
 
-/// Points per dispatch; more are gathered in several.
+/// Maximum number of points per dispatch.
 const POINTS_AT_ONCE: usize = 1 << 18;
 
 impl Gi {
-    /// The irradiance at points with normals (of any length but zero), m, in their order: what a
-    /// lux meter reads there, and a light map or a probe stores. Call [`Self::light`] first; with
-    /// its number of bounces *n* the points get *n* bounces. The result of a point does not depend
-    /// on the others.
+    /// The irradiance at points, m, with normals of any nonzero length: what a lux meter reads
+    /// there, and a light map or a probe stores. Call [`Self::light`] first; after *n* bounces in
+    /// it, the points get *n* bounces. The result of a point does not depend on the others.
     ///
     /// Points may be on surfaces or in the air. Cones start
     /// [`crate::TraceSettings::normal_offset_voxels`] above them. The future waits for the GPU,
@@ -66,8 +65,8 @@ impl Gi {
         Ok(irradiance)
     }
 
-    /// Records [`Self::gather`] for points and results on the GPU. The frames are added to those
-    /// that the points have already, so a few per frame give a mean that improves over time
+    /// Records [`Self::gather`] for points and results on the GPU. Its samples are added to the
+    /// earlier ones, so a few per frame give a mean that improves over time
     /// ([`GatherPoints::restart`]).
     ///
     /// ```
@@ -130,7 +129,7 @@ impl Gi {
     /// otherwise it is compiled on first use.
     ///
     /// # Errors
-    /// [`GiError::Shader`] if it does not link because a module given by the caller is wrong.
+    /// [`GiError::Shader`] if the kernel does not link because the caller's own module is wrong.
     pub fn prepare_gather(&self) -> Result<(), GiError> {
         let gatherer = self.point_gatherer()?;
         gatherer.expect(&self.device, self.emitters.has_any());

@@ -11,9 +11,9 @@ use crate::trace::{Bound, GBuffer, GiView, ScreenSettings};
 
 impl Gi {
     /// A camera: its G-buffer of `size` pixels, and the textures that [`Self::trace`] writes to, at
-    /// the settings' resolution, with a history of earlier frames if the settings ask for one
-    /// ([`TraceSettings::temporal`]). With a history each trace continues from the previous one:
-    /// submit frames in the order in which they were recorded.
+    /// the settings' resolution, with a history of earlier frames if [`TraceSettings::temporal`] is
+    /// set. With a history each trace continues from the previous one: submit frames in the order
+    /// in which they were recorded.
     ///
     /// The G-buffer has Lumivox's own layout, or that of [`crate::GiConfig::gbuffer`]'s module:
     ///
@@ -92,7 +92,7 @@ impl Gi {
         view.bind(&self.device, &self.gbuffer_layout, gbuffer.into());
     }
 
-    /// Links the kernels that only cones of this kind use.
+    /// Links the kernels for cones at this resolution, with or without a history.
     pub(super) fn link_cones(
         &self,
         resolution: TraceResolution,
@@ -111,8 +111,8 @@ impl Gi {
     }
 
     /// Traces the cones of one frame from the G-buffer of a view into its textures. Several traces
-    /// may be recorded before one submission, each with its own settings; of those of the same view
-    /// the last one's result stays.
+    /// may be recorded before one submission, each with its own settings; of several traces of one
+    /// view only the last result remains.
     ///
     /// ```
     /// # pollster::block_on(async {
@@ -193,7 +193,7 @@ impl Gi {
         Ok(())
     }
 
-    /// Makes the volume show only reflected light, or all light again, to what is recorded next.
+    /// Makes the volume show only reflected light, or all light again, to later commands.
     pub(super) fn hide_emission(&self, recorder: &mut Recorder<'_>, hides: bool) {
         self.lighting.hide_emission(recorder, (&self.volume, &self.changes), hides);
     }

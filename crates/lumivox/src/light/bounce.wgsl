@@ -32,8 +32,8 @@ fn main(
     }
 }
 
-// Faces that have never gathered and whose turn it is not: of voxels that dynamic surface touches,
-// or of a new list.
+// Faces that have never gathered and do not gather in this turn: of a new list, or of voxels that
+// dynamic surface touches.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn fresh(
     @builtin(global_invocation_id) invocation: vec3u,

@@ -1,6 +1,6 @@
 // Copies the irradiance of a new list's faces from the previous list: from the nearest face of the
-// same lobe of the same voxel. If the box of a clipmap has moved, another voxel, a whole box away,
-// may be stored in a voxel's place.
+// same lobe of the same voxel. After a clipmap's box has moved, a voxel's place in storage may have
+// held another voxel, a whole box away.
 
 import package::cascades::cascade_of;
 import package::constants::LINEAR_WORKGROUP_SIZE;

@@ -1,7 +1,7 @@
 // Direct light and emission into the voxels: the radiance that each face sends out before any
 // bounce.
 //
-// A face's radiance is the same in all directions: L = Le + sum over lights of irradiance times its
+// A face's radiance is the same in all directions: L = Le + sum over lights of irradiance times
 // reflected share (reflected.wgsl) / pi.
 
 import package::cascades::cascade_of;
@@ -18,7 +18,7 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(1) var<storage, read> faces: array<Face>;
 @group(1) @binding(2) var<storage, read_write> direct: array<vec4f>;
 
-// The reflected share times irradiance of a lamp's or sun's light at the middle of a face.
+// Radiance that the middle of a face reflects of one light.
 fn leaving_of(light: Light, face: Face, normal: vec3f) -> vec3f {
     let incident = incident_light(light, face.position_in_world);
     let cosine = dot(normal, incident.direction);

@@ -10,11 +10,12 @@ use crate::volume::changes::Shown;
 use crate::voxelize::{Collected, Moving};
 use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList};
 
-/// Words of the hits of a face: of its rays, the adjacent faces, and the irradiance from emitters.
+/// Words per face in `hits`: the hits of its rays, its adjacent faces, and its irradiance from
+/// emitters.
 pub(super) const HIT_WORDS: u32 = 24;
 const HIT_BYTES: u64 = 4 * HIT_WORDS as u64;
 
-/// Cells of the hemisphere whose light from afar a face gathers: a word each.
+/// Cells of the hemisphere for a face's far light, a word each.
 pub(super) const FAR_CELLS: u32 = 16;
 pub(crate) const FAR_BYTES: u64 = 4 * FAR_CELLS as u64;
 
@@ -41,7 +42,7 @@ pub(super) struct LightKernels {
     copy_replaced: Kernel,
 }
 
-/// The kernels of light from afar.
+/// The kernels of far light.
 #[derive(Debug)]
 struct FarKernels {
     share_layout: wgpu::BindGroupLayout,
@@ -67,13 +68,13 @@ impl LightKernels {
         }
     }
 
-    /// Queues the kernel that only geometry with emitters needs for compilation.
+    /// Queues for compilation the kernel that only geometry with emitters needs.
     pub(super) fn expect_emitters(&self, device: &Pipelines) {
         self.show_without_emission.expect(device);
     }
 
     /// Links the kernels; `grid` is the layout of only the grid, the others are those of groups 0
-    /// and 2. Marching cones need no hits of faces, so `find` is `None` then.
+    /// and 2. Marching cones do not need hits, so `find` is `None` then.
     pub fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
@@ -141,7 +142,7 @@ impl LightKernels {
         })
     }
 
-    /// The kernel of direct light; groups 0 and 2 have these layouts.
+    /// The kernel of direct light; the layouts are those of groups 0 and 2.
     pub fn direct(
         &self,
         device: &Pipelines,
@@ -152,7 +153,7 @@ impl LightKernels {
         Kernel::new(device, shaders, "light::direct", "main", &groups)
     }
 
-    /// Finds what the rays of faces meet and the adjacent faces, where that is not known yet.
+    /// Finds the hits of the faces' rays and the adjacent faces, unless they are already known.
     pub fn find(&self, recorder: &mut Recorder<'_>, globals: &BindGroup, faces: &Faces) {
         for find in self.find.iter().flatten() {
             faces.run(recorder, "light::find", find, &[globals, &faces.bounce]);
@@ -211,7 +212,7 @@ impl LightKernels {
         }
     }
 
-    /// Computes the radiance that faces send out, and the part of it that the volume shows: all, or
+    /// Computes the radiance that faces send out, and its part that the volume shows: all light, or
     /// only reflected light if there are emitters.
     pub fn reflect(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
         faces.run(recorder, "light::reflect", &self.reflect, &[grid, &faces.reflect]);
@@ -219,7 +220,7 @@ impl LightKernels {
         faces.run(recorder, "light::show", show, &[grid, &faces.show]);
     }
 
-    /// Computes what the volume shows with emission, and saves what it shows without.
+    /// Computes the radiance that the volume shows with emission, and saves that without.
     pub fn emit(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
         recorder.copy((&faces.shown, 0), (&faces.reflected, 0), faces.shown.size());
         faces.run(recorder, "light::show", &self.show, &[grid, &faces.show]);
@@ -265,8 +266,8 @@ fn run_turn(
 /// Per-face light buffers of a voxel list.
 #[derive(Debug)]
 pub(super) struct Faces {
-    /// The buffers that it is bound to, to detect changes: the list's faces, and the moving faces
-    /// that the list will get.
+    /// The bound buffers, to detect changes: the list's faces, and the moving faces that the list
+    /// will get.
     list: [Buffer; 2],
     counts: Buffer,
     capacity: u64,
@@ -297,7 +298,7 @@ pub(super) struct Faces {
     show: BindGroup,
     move_light: BindGroup,
     settle: BindGroup,
-    /// Used once, to copy light from a list that was replaced.
+    /// Bindings to copy light from a replaced list, used once.
     replaced: Option<BindGroup>,
 }
 
@@ -462,14 +463,14 @@ impl Faces {
         }
     }
 
-    /// `true` if it is bound to the buffers of a list that is about to be committed, and has
-    /// buffers for emission if there are emitters.
+    /// `true` if bound to the buffers of a list that is about to be committed, with buffers for
+    /// emission if there are emitters.
     pub fn is_of(&self, next: &Collected<'_>, has_emission: bool) -> bool {
         self.list.each_ref() == [&next.list.faces, next.moving.faces]
             && self.has_emission == has_emission
     }
 
-    /// Whether there are emitters.
+    /// `true` if there are emitters.
     pub fn has_emission(&self) -> bool {
         self.has_emission
     }
@@ -515,12 +516,12 @@ impl Faces {
         Shown { now: &self.shown, held: &self.held }
     }
 
-    /// Records that the volume now stores what it shows.
+    /// Copies `shown` to `held`: the volume now stores it.
     pub fn hold(&self, recorder: &mut Recorder<'_>) {
         recorder.copy((&self.shown, 0), (&self.held, 0), self.shown.size());
     }
 
-    /// Runs the kernel of direct light; groups 0 and 2 are given.
+    /// Runs the kernel of direct light with groups 0 and 2.
     pub fn run_direct(
         &self,
         recorder: &mut Recorder<'_>,

@@ -1,8 +1,8 @@
-// Finds what the rays of faces meet, and the adjacent faces: once each, and again after surface has
+// Finds the hits of faces' rays, and the adjacent faces: once each, and again after surface has
 // moved.
 //
 // These are separate kernels, since GPUs without branches would repeat the search in each gather
-// and discard it.
+// and discard its result.
 
 import package::cascades::{cascade_of, voxel_of};
 import package::cones::hemisphere::{basis, cell_cone};
@@ -20,9 +20,9 @@ import package::voxels::morton::morton_decode;
 
 const UNKNOWN = 0u;
 
-// Whether a hit or adjacent face has to be found again. On the face's turn: if it was never found,
+// Whether a hit or adjacent face has to be found again. In the face's turn: if it was never found,
 // or if its group is due after surface has moved. In any turn after surface has moved: if one of
-// the two faces is dynamic, and so has no fixed place in the list.
+// the two faces is dynamic, so that its place in the list varies.
 fn is_outdated(hit: u32, face: u32, ray: u32, is_due: bool) -> bool {
     let met = hit - HIT_OFFSET;
     let is_moving = face >= counts.fixed_faces || (met >= counts.fixed_faces && met < UNLIT);
@@ -67,7 +67,7 @@ fn main(
     }
 }
 
-// The face of the same surface in the next voxel along an axis, or NOTHING if other surface is
+// The face of the same surface in the next voxel along an axis; NOTHING if other surface lies
 // between.
 fn face_beside(index: u32, axis: u32, step: f32) -> u32 {
     let own = voxel_of(morton_decode(faces[index].cell));

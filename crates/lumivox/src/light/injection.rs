@@ -22,8 +22,8 @@ pub trait Injection: Debug + Send + Sync {
         0
     }
 
-    /// The largest texel of a shadow map, in voxels, that does not degrade its light, for warnings.
-    /// Default: infinity.
+    /// The largest texel of a shadow map, in voxels, that does not degrade the injected light, for
+    /// warnings. Default: infinity.
     fn largest_texel_voxels(&self) -> f32 {
         f32::INFINITY
     }
@@ -61,7 +61,7 @@ pub struct InjectionParts<'a> {
 /// Created by an [`Injection`]: it lights the faces of a voxel list. [`crate::Gi::injector`]
 /// returns it.
 pub trait Injector: Any + Debug + wgpu::WasmNotSendSync {
-    /// Sets the list that is lit from now on.
+    /// Sets the list that later runs light.
     fn take(&mut self, device: &Pipelines, voxels: &VoxelList);
 
     /// Records the passes that write the light of every face.

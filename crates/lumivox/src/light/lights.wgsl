@@ -1,5 +1,5 @@
-// Lights and the environment: group 2 of every pass that evaluates direct light or looks at the
-// sky.
+// Lights and the environment: group 2 of every pass that evaluates direct light or samples the
+// environment.
 
 import package::constants::{LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_SPOT};
 
@@ -9,11 +9,12 @@ struct Light {
     kind: u32,
     // The direction in which the light travels; unit length.
     direction: vec3f,
-    // Distance at which the light ends, m; 0: it never does.
+    // Distance at which the light ends, m; 0: never.
     range_m: f32,
     // Directional and environment: irradiance across the beam. Point and spot: radiant intensity.
     intensity: vec3f,
-    // Point and spot: radius of the source, m. The others: tangent of its angular radius.
+    // Point and spot: radius of the source, m. Directional and environment: tangent of its angular
+    // radius.
     radius: f32,
     // Spot: the intensity is scaled by clamp(cos(angle) * spot_scale + spot_offset, 0, 1)^2.
     spot_scale: f32,
@@ -30,8 +31,8 @@ struct LightGlobals {
     light_count: u32,
     // Cosine and sine of the map's rotation about y.
     environment_turn: vec2f,
-    // Lobes of a smaller alpha reflect the peaks of the environment's map instead of showing their
-    // lights' highlights.
+    // Lobes of a smaller alpha reflect the peaks in the environment map itself, and no highlights
+    // of their lights.
     mirror_alpha: f32,
     padding: u32,
 }
@@ -48,7 +49,7 @@ struct Incident {
     irradiance: vec3f,
 }
 
-// Whether a light is infinitely far away, so that its rays are parallel.
+// Whether a light's rays are parallel, since it is infinitely far away.
 fn is_parallel(light: Light) -> bool {
     return light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_ENVIRONMENT;
 }

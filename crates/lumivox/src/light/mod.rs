@@ -1,16 +1,16 @@
 //! Light in the voxels: direct light and emission, and bounces.
 //!
-//! Everything here runs only over the faces of the voxel list. A face sends out
-//! `Le + reflectance / pi * E`; `E` is the irradiance from the analytic lights (`direct.wgsl`)
-//! and what faces gather from each other (`bounce.wgsl`). The light of emissive surfaces and of the
-//! environment arrives by gathers: cones see the environment, emitters are sampled (`shine.wgsl`).
-//! While they gather, faces show only reflected light; between calls they show all light. A
-//! caller's own [`Injection`] replaces the direct evaluation.
+//! Everything here runs only over the faces of the voxel list. A face sends out `Le + reflectance /
+//! pi * E`; `E` is the irradiance from the analytic lights (`direct.wgsl`) and from other faces
+//! (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives by gathers: cones
+//! see the environment, emitters are sampled (`shine.wgsl`). During gathers, faces show only
+//! reflected light; between calls they show all light. A caller's own [`Injection`] replaces the
+//! direct evaluation.
 //!
 //! The irradiance that faces have gathered is kept. A still image starts from darkness and gathers
 //! once for each bounce ([`Budget::Bounces`]); a frame continues from the previous frame
 //! ([`Budget::Faces`]), so that light travels one bounce a frame, and converges to the same result.
-//! Both are the same steps ([`Lighting::step`]).
+//! [`Lighting::step`] does both.
 
 mod faces;
 mod injection;
@@ -79,11 +79,11 @@ pub(crate) struct BounceSettings {
 /// How much light [`Lighting::step`] computes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Budget {
-    /// All light from darkness: direct light, then a gather for each bounce except the last, which
-    /// pixels do.
+    /// All light, starting from darkness: direct light, then a gather for each bounce except the
+    /// last, which pixels gather.
     Bounces(u32),
-    /// One gather of at most this number of faces, which continues from the light so far. `None`:
-    /// all faces; with cascades, those of coarse ones less often.
+    /// One gather of at most this number of faces, which continues from the current light. `None`:
+    /// all faces; with cascades, those of coarse cascades less often.
     Faces(Option<u32>),
 }
 
@@ -144,7 +144,8 @@ impl Lighting {
         globals: &wgpu::BindGroupLayout,
         lights: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
-        // Without the volume: its buffers would exceed the limit together with the kernels' own.
+        // Without the volume: together with the kernels' own buffers, it would exceed the limit of
+        // bindings.
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let grid_group =
             BindGroupBuilder::new(&grid_layout).buffer(&grid.uniform(device)).build(device, "grid");
@@ -218,7 +219,7 @@ impl Lighting {
         self.has_emission
     }
 
-    /// Makes the volume show only reflected light, or all light again, to what is recorded next.
+    /// Makes the volume show only reflected light, or all light again, to later commands.
     pub(crate) fn hide_emission(
         &self,
         recorder: &mut Recorder<'_>,
@@ -233,8 +234,8 @@ impl Lighting {
         volume.bounce(recorder, shining);
     }
 
-    /// Removes emission from the volume before reflected light changes. Returns `true` if it did;
-    /// otherwise the volume stores emission of an earlier list, which is found like other changes.
+    /// Removes emission from the volume before reflected light changes. Returns `false` if the
+    /// volume still stores emission of an earlier list, which is found like other changes.
     fn conceal(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -253,7 +254,7 @@ impl Lighting {
         true
     }
 
-    /// Adds emission to the volume once all reflected light is there.
+    /// Adds emission to the volume, after all reflected light.
     fn emit(&mut self, recorder: &mut Recorder<'_>, (volume, changes): (&Volume, &Changes)) {
         let Some(faces) = self.faces.as_ref().filter(|faces| faces.has_emission()) else { return };
         self.kernels.emit(recorder, &self.grid, faces);
@@ -275,7 +276,7 @@ impl Lighting {
         self.faces.as_ref().map(Faces::shown)
     }
 
-    /// Records direct light and gathers, as the budget says; stores and filters what differs.
+    /// Records direct light and gathers within the budget; stores and filters changed light.
     /// Records nothing and returns `false` once light has converged.
     pub(crate) fn step(&mut self, recorder: &mut Recorder, lit: Lit<'_>, budget: Budget) -> bool {
         let Lit { volume, changes, lights, emitters, cones } = lit;
@@ -283,8 +284,8 @@ impl Lighting {
         let turn = match budget {
             Budget::Bounces(bounces) => Some(self.turns.restart(lights.version, bounces)),
             Budget::Faces(most) => {
-                // With rays, only one setting changes the light of faces: the width of samples of
-                // the environment.
+                // With rays, only one setting affects the faces' light: the width of samples of the
+                // environment.
                 let (settings, values) = cones;
                 let width = settings.voxel_per_diameter;
                 let rays = TraceSettings { voxel_per_diameter: width, ..TraceSettings::default() };
@@ -375,7 +376,7 @@ impl Lighting {
         faces: &Faces,
     ) {
         recorder.stage("light");
-        // Cone shadows need the volume's opacities, which any radiance can be stored with.
+        // Cone shadows need the volume's opacities; the radiance stored with them does not matter.
         if lights.has_cone_shadows && volume.is_marched() {
             recorder.stage("filter");
             if let Some(changed) = changes.surfaces(recorder) {

@@ -1,5 +1,5 @@
-// First of two steps for faces that get another place in the list, since dynamic surface touches
-// their voxels: saves their light. settle.wgsl copies it back.
+// First of two steps for faces whose place in the list changes, since dynamic surface touches their
+// voxels: saves their light. settle.wgsl copies it back.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -9,7 +9,7 @@ import package::light::lights::Light;
 
 struct ShadowLayer {
     clip_from_world: mat4x4f,
-    // Edge of a texel in the world: per metre of distance for a perspective layer, outright for a
+    // Edge of a texel in the world: per metre of distance for a perspective layer, in metres for a
     // parallel one.
     texel_size: f32,
     is_perspective: u32,
@@ -76,9 +76,8 @@ fn place_in_layer(
     normal: vec3f,
 ) -> vec3f {
     // Within the filter's reach of 2 texels a plane tilted against the light changes its depth by
-    // at most 2 texels times the tangent of the tilt; moving the receiver along its normal by 2
-    // texels undoes that at any tilt, since the move's share towards the light is the cosine and
-    // its share across is the sine.
+    // at most 2 texels times the tangent of the tilt. Moving the receiver along its normal by 2
+    // texels undoes that at any tilt: the move is 2 cosines towards the light and 2 sines across.
     let receiver = position_in_world + normal * (2.0 * texel_m);
     let clip = clip_from_world * vec4f(receiver, 1.0);
     if clip.w <= 0.0 {

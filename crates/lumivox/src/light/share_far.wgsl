@@ -1,6 +1,6 @@
-// Shares far light among adjacent faces: the mean over a row of SHARING_FACES faces along one axis
-// of their surface, and then over rows along the other axis. With turn.wgsl's rays these 7 x 7
-// faces cover 784 evenly distributed directions. A row ends where other surface crosses it.
+// Averages far light over adjacent faces: over a row of SHARING_FACES faces along one axis of their
+// surface, then over rows along the other axis. With turn.wgsl's rays these 7 x 7 faces cover 784
+// evenly distributed directions. A row ends where other surface crosses it.
 
 import package::constants::{FAR_CELLS, HIT_WORDS, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;

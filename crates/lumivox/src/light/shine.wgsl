@@ -12,7 +12,7 @@ import package::light::turn::{
 import package::voxels::morton::morton_decode;
 
 // Points on emitters per face. Faces use the same points in every gather, so their noise does not
-// vary over time, but a cone averages over many faces.
+// average out over time; cones average it over many faces.
 const POINTS: u32 = 4u;
 
 fn shine_on(index: u32) {
@@ -44,8 +44,8 @@ fn main(
     }
 }
 
-// Faces that have never gathered and whose turn it is not: of voxels that dynamic surface touches,
-// or of a new list.
+// Faces that have never gathered and do not gather in this turn: of a new list, or of voxels that
+// dynamic surface touches.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn fresh(
     @builtin(global_invocation_id) invocation: vec3u,

@@ -1,6 +1,6 @@
-//! Light in the voxels against closed forms, and its conservation.
+//! Compares light in the voxels with closed forms, and checks energy conservation.
 //!
-//! All numbers are face radiances of the voxel list, so these tests see injection, filter, cones
+//! All numbers are face radiances of the voxel list, so these tests cover injection, filter, cones
 //! and bounces at once, without a picture.
 
 use std::f32::consts::PI;
@@ -104,15 +104,15 @@ fn furnace_converges_to_its_closed_form() {
         last = mean;
     }
     // A gather at 64 voxels misses 2 % (oblique walls are sampled unevenly, and near corners cones
-    // start inside the neighbour's voxels), which the bounces add up: e / (1 - 0.98 r) = 1.96.
+    // start inside the neighbour's voxels). The bounces compound it: e / (1 - 0.98 r) = 1.96.
     let high = bench.light_with(&[], Vec3::ZERO, 10, Preset::High).mean(|_| true);
     println!("furnace: {last}, high {high}, of 2");
     assert!((1.94..2.02).contains(&last), "the furnace glows with {last}, not 2");
     assert!((1.94..2.02).contains(&high), "with the high preset it glows with {high}, not 2");
 }
 
-/// Walls oblique to the grid leak no more than walls along it: the same box, turned. A gather of
-/// e = 1 by surfaces that reflect one half adds one half.
+/// Walls oblique to the grid leak no more than walls along it: a turned box. A gather of e = 1 by
+/// surfaces that reflect one half adds one half.
 #[test]
 fn a_rotated_furnace_leaks_no_light() {
     for angles in [[0.5, 0.35, 0.4], [0.17, 0.61, 0.09], [0.3, -0.58, 0.89]] {
@@ -295,8 +295,8 @@ fn an_open_floor_gets_pi_times_sky_radiance() {
     );
 }
 
-/// Light that lacquer mirrors leaves its faces with the light that it scatters: from a sky its
-/// mean, from a lamp the value at the lamp's angle.
+/// The radiance of lacquered faces includes mirrored light: for a sky the mean over angles, for a
+/// lamp the value at its angle.
 #[test]
 fn radiance_of_lacquered_faces_includes_mirrored_light() {
     let gloss = Gloss { mean: 0.08, grazing: 0.6, kept_out: 0.04 };
@@ -326,7 +326,7 @@ fn radiance_of_lacquered_faces_includes_mirrored_light() {
     assert!(steepest < 0.35, "the lamp stands no lower than {steepest}");
 }
 
-/// A closed room from the origin to a corner, in walls of a thickness, under a sky of one.
+/// A closed room from the origin to a corner, with walls of a thickness, under a sky of radiance 1.
 fn closed_room(high: Vec3, wall: f32, resolution: u32, offset: Vec3) -> Lit {
     let white = lambert(0.5, 0.0);
     let (low, x, y, z) = (Vec3::ZERO, high * Vec3::X, high * Vec3::Y, high * Vec3::Z);
@@ -338,9 +338,9 @@ fn closed_room(high: Vec3, wall: f32, resolution: u32, offset: Vec3) -> Lit {
     Bench::new((low, high), resolution, offset, scene).light(&[], Vec3::ONE, 2)
 }
 
-/// The walls inside a closed hall have less than 0.9 % of the light outside. They had 1.8 %, which
-/// is more than a window lets into a dark corner, while cones treated as open what coarse steps and
-/// cells leave open.
+/// The walls inside a closed hall have less than 0.9 % of the light outside. They had 1.8 %, more
+/// than a dark corner gets from a window, when cones treated gaps in coarse steps and cells as
+/// open.
 #[test]
 fn a_closed_hall_gets_less_than_a_hundredth_of_the_sky() {
     let high = Vec3::new(4.6, 3.3, 5.6);
@@ -357,8 +357,8 @@ fn a_closed_hall_gets_less_than_a_hundredth_of_the_sky() {
     }
 }
 
-/// A closed room in walls of a quarter of a metre under a bright sky is dark, at its edges too,
-/// wherever its walls fall in the grid.
+/// A closed room with walls a quarter of a metre thick is dark under a bright sky, at its edges
+/// too, wherever its walls fall in the grid.
 #[test]
 fn no_sky_shines_in_at_the_edges_of_a_room() {
     for step in 0..4 {
@@ -402,7 +402,7 @@ fn light_below(cover: Option<crate::SurfaceMaterial>) -> [f32; 2] {
     [floor(&[], 1.0), floor(&[lamp], 0.0)]
 }
 
-/// A cover of a share of a plane blocks that share of the light, for cones of any width.
+/// A cover with holes or transmission lets that share of the light through, for cones of any width.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_cover_lets_light_through_in_proportion() {
@@ -430,14 +430,13 @@ fn a_cover_lets_light_through_in_proportion() {
             "alpha {alpha}, transmission {transmission}: of the sky {sky:.4}, of the lamp \
              {lamp:.4} are blocked, of {expected}"
         );
-        // Each ray passes or does not; for the lamp there is one for each of 1000 faces, with a
-        // deviation of 0.016.
+        // A ray passes or not; the lamp's 1000 faces have one each, for a deviation of 0.016.
         assert!((sky - expected).abs() < 0.04, "of the sky's light {sky}, not {expected}");
         assert!((lamp - expected).abs() < 0.04, "of the lamp's light {lamp}, not {expected}");
     }
 }
 
-/// Two rooms with a wall thinner than a voxel between them and no doorway: what arrives in the dark
+/// Two rooms with a wall thinner than a voxel between them and no doorway: all light in the dark
 /// one is a leak. Leaks depend on where the wall falls in the coarser levels, so several grid
 /// offsets are tried.
 #[test]
@@ -458,7 +457,7 @@ fn a_thin_wall_keeps_the_dark_room_dark() {
         println!("offset {offset}: leak {:.2} %", 100.0 * dark_room / lit_room);
         worst = worst.max(dark_room / lit_room);
     }
-    // 0.5 to 1.0 % where this was set (lavapipe).
+    // 0.5 to 1.0 % were measured (lavapipe).
     assert!(worst < 0.015, "the dark room has {worst} of the lit one's light");
 }
 

@@ -16,9 +16,9 @@ struct BounceSettings {
     turn: u32,
     // Whether there are emitters.
     has_emitters: u32,
-    // Whether the faces of a cascade gather together, those of coarse cascades less often.
+    // Whether faces gather by cascade: those of coarse cascades less often.
     by_cascade: u32,
-    // Whether faces of static surface may never have gathered, too.
+    // Whether some faces of static surface may never have gathered.
     is_list_new: u32,
     // The rays that are traced again: a bit for each of RAY_CLASSES, zero if nothing has moved.
     rays_anew: u32,
@@ -53,8 +53,8 @@ fn face_start(face: Face) -> vec2f {
 
 // The edge of the squares of faces that share far light.
 const SHARING_FACES = 7u;
-// Adjacent faces have jitters far apart, so that a square that ends at a border has well spread
-// ones, too.
+// Adjacent faces have jitters far apart, so that a square cut off at a border also has well spread
+// ones.
 const JITTER_STEP = 3u;
 
 // The jitter of a face's rays within their cells. Any square of SHARING_FACES x SHARING_FACES faces
@@ -86,7 +86,8 @@ fn turns() -> u32 {
     return max((counts.faces + most - 1u) / most, 1u);
 }
 
-// Whether a face gathers in this turn. By cascade: in each turn, every second, fourth, ...
+// Whether a face gathers in this turn. By cascade: the finest in each turn, the next in every
+// second, fourth, ...
 fn is_in_turn(face: u32) -> bool {
     if settings.by_cascade != 0u {
         let cascade = cascade_of(morton_decode(faces[face].cell));

@@ -4,13 +4,13 @@ use crate::Grid;
 use crate::cones::TraceSettings;
 
 /// Gathers of every face after a change. In a closed room whose walls reflect 80 %, less than a
-/// thousandth of the change is missing then; in most rooms far less.
+/// thousandth of the change is missing after them; in most rooms far less.
 const SETTLING_GATHERS: u32 = 32;
 
 /// Gathers of every face after a change until less than a hundredth of it is missing.
 const NEARLY_SETTLED_GATHERS: u32 = 9;
 
-/// log2 of the most frames between two gathers of a cascade.
+/// log2 of the maximum number of frames between two gathers of a cascade.
 pub(super) const RAREST_CASCADE: u32 = 3;
 
 /// After surface has moved, rays are traced again in this many groups, one a frame.
@@ -24,32 +24,32 @@ const SHOWN_GATHERS: [u32; 8] = [4, 6, 8, 12, 16, 20, 26, SETTLING_GATHERS];
 #[allow(clippy::struct_excessive_bools, reason = "independent facts about one frame")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
-    /// Light starts from darkness.
+    /// `true` if light starts from darkness.
     pub is_from_darkness: bool,
-    /// Gathers, of which each sees the light of the one before.
+    /// Number of gathers; each sees the light of the previous one.
     pub gathers: u32,
-    /// Direct light has changed.
+    /// `true` if direct light has changed.
     pub is_direct_new: bool,
-    /// Faces sample emitters again: emitters, or occluders, may have changed.
+    /// `true` if faces sample emitters again, since emitters or occluders may have changed.
     pub may_shine_anew: bool,
-    /// The far light of pixels is updated.
+    /// `true` if the far light of pixels is updated.
     pub shows_far: bool,
     /// The maximum number of faces that gather.
     pub faces: u32,
-    /// The faces of a cascade gather together, those of coarse cascades less often.
+    /// `true` if faces gather by cascade: those of coarse cascades less often.
     pub is_by_cascade: bool,
-    /// Faces at any place in the list may never have gathered.
+    /// `true` if any face may never have gathered.
     pub is_list_new: bool,
-    /// Number of the frame, increasing.
+    /// Number of the frame.
     pub number: u32,
     /// The rays that faces trace again, a bit for each class (`turn.wgsl`).
     pub rays_anew: u32,
 }
 
 impl Turn {
-    /// Whether the volume stores all cells instead of those that have changed. From darkness with
-    /// many bounces nearly everything changes in every gather: looking for unchanged faces would
-    /// cost more than it saves.
+    /// `true` if the volume stores all cells instead of only changed ones. From darkness with many
+    /// bounces nearly everything changes in every gather: looking for unchanged faces would cost
+    /// more than it saves.
     pub fn stores_all(&self) -> bool {
         self.is_from_darkness && self.gathers > 0
     }
@@ -64,17 +64,17 @@ enum Rays {
     /// Surface has moved since the last frame.
     Outdated,
     /// Surface has moved, and rays are traced again for `frames` more frames: all rays of the faces
-    /// whose turn it is, or one group.
+    /// in turn, or one group of all faces.
     Renewed { frames: u64, all_at_once: bool },
 }
 
-/// The frames since the last change.
+/// The schedule of gathers since the last change.
 #[derive(Debug, Default)]
 pub(super) struct Turns {
     number: u32,
     /// Frames until the light has converged.
     left: u64,
-    /// `left` when less than a hundredth of the change is missing.
+    /// The value of `left` at which less than a hundredth of the change is missing.
     nearly_settled: u64,
     /// Gathers of the last solve from darkness, until the next frame.
     solved: Option<u32>,
@@ -82,9 +82,9 @@ pub(super) struct Turns {
     shines: u64,
     is_disturbed: bool,
     rays: Rays,
-    /// The list is the first, or has replaced an earlier one.
+    /// `true` if the list is the first, or has replaced an earlier one.
     is_list_new: bool,
-    /// There are cascades.
+    /// `true` if there are cascades.
     has_cascades: bool,
     lights: Option<u64>,
     cones: Option<(TraceSettings, [f32; 4])>,
@@ -106,13 +106,13 @@ impl Turns {
         (self.is_disturbed, self.rays) = (true, Rays::Outdated);
     }
 
-    /// In the next frame all faces that have never gathered do, whatever the budget.
+    /// Makes all faces that have never gathered do so in the next frame, whatever the budget.
     pub fn gather_fresh(&mut self) {
         self.is_list_new = true;
     }
 
     /// The work of lighting everything from darkness with this number of bounces; `lights` is the
-    /// version of the lights. Later frames continue from there.
+    /// version of the lights. Later frames continue from its result.
     pub fn restart(&mut self, lights: u64, bounces: u32) -> Turn {
         let gathers = bounces.saturating_sub(1);
         self.lights = Some(lights);
@@ -136,8 +136,8 @@ impl Turns {
         }
     }
 
-    /// Frames until less than a hundredth of the last change is missing, with cascades in the
-    /// finest.
+    /// Frames until less than a hundredth of the last change is missing (with cascades, in the
+    /// finest one).
     pub fn frames_left(&self) -> u32 {
         u32::try_from(self.left.saturating_sub(self.nearly_settled)).unwrap_or(u32::MAX)
     }

@@ -24,7 +24,7 @@ fn shadow_cone_visibility(
     return seen_share(position_in_world, normal, incident.direction, tan_half_angle, reach, level);
 }
 
-// Visibility at a surface, which may have voxels of several cascades.
+// Visibility at a surface, whose voxels may be of several cascades.
 fn light_visibility(
     light: Light,
     incident: Incident,
@@ -45,7 +45,7 @@ fn light_visibility_from(
 ) -> f32 {
     if light.shadow == SHADOW_MAP {
         let visible = shadow_map_visibility(light, position_in_world, normal);
-        // A caller's own maps need not cover everything.
+        // A caller's own maps may not cover everything.
         if visible >= 0.0 {
             return visible;
         }

@@ -1,6 +1,6 @@
 // Sums up the faces' attributes as integers, so that the order of the triangles does not matter.
 //
-// The sums are stored in the list of faces itself, each in the place of its mean (resolve.wgsl).
+// The sums are stored in the list of faces itself, in place of the means (resolve.wgsl).
 
 import package::constants::{
     DOUBLE_SIDED, FACE_CELL, FACE_EMISSION, FACE_FLAGS, FACE_GLOSS, FACE_LOBE, FACE_MASK_HIGH,
@@ -26,8 +26,8 @@ import package::voxels::morton::morton_encode;
 @group(2) @binding(1) var<storage, read> cells: array<vec2u>;
 @group(2) @binding(2) var<storage, read> voxels: array<VoxelFaces>;
 // Per face, three signed numbers each: vector area and, weighted by the area along the lobe,
-// reflectance, gloss, emission and position within the voxel; and the area of holes. In addition
-// bits: what the face covers (cover.wgsl), its flags, and the key of its plane.
+// reflectance, gloss, emission and position within the voxel; one for the area of holes; and bits:
+// the face's cover (cover.wgsl), its flags, and the key of its plane.
 @group(2) @binding(3) var<storage, read_write> sums: array<atomic<u32>>;
 @group(2) @binding(4) var<uniform> needs: Needs;
 
@@ -57,11 +57,11 @@ fn add(first: u32, value: vec3f, seed: u32) {
 // A piece of surface in a voxel.
 struct WeightedPiece {
     voxel: u32,
-    // Converts sums to integers.
+    // Factor that converts the terms to integers.
     scale: f32,
     plane: Plane,
     cover: Cover,
-    // All but the vector area are weighted by the area along the lobe.
+    // Terms of the sums; all but the vector area are weighted by the area along the lobe.
     vector_area: vec3f,
     reflectance: vec3f,
     position: vec3f,
@@ -69,7 +69,7 @@ struct WeightedPiece {
     gloss: vec3f,
     // The area along the lobe that light passes through.
     holes: f32,
-    // SINGLE_SIDED, if light does not pass from behind.
+    // SINGLE_SIDED if light does not pass from behind, else 0.
     flags: u32,
 }
 
@@ -87,7 +87,7 @@ fn nearest_face(voxel: u32, lobes: u32, lobe: u32, plane: Plane) -> u32 {
     return nearest;
 }
 
-// Sets bits, which many pieces share.
+// Sets bits that other pieces may have set.
 fn add_bits(word: u32, bits: u32) {
     if (atomicLoad(&sums[word]) & bits) != bits {
         atomicOr(&sums[word], bits);
@@ -96,8 +96,8 @@ fn add_bits(word: u32, bits: u32) {
 
 // Adds a piece to the face of its plane, and to that of the opposite lobe if it is double-sided.
 //
-// Written as loops, so that a software GPU, which runs both sides of every `if`, skips unneeded
-// work, too.
+// Written as loops, so that a software GPU, which runs both sides of every `if`, also skips
+// unneeded work.
 fn add_to_faces(piece: WeightedPiece, lobe: u32, sides: u32, seed: u32) {
     let lobes = voxels[piece.voxel].lobes;
     let all_rows = 7u

@@ -99,7 +99,7 @@ impl GroupDispatch {
 /// only the contents of its draws change.
 #[derive(Debug)]
 pub(super) struct SplitBatch {
-    /// The batch that it is bound to, without draws.
+    /// The bound batch, without draws.
     source: GeometryBatch,
     triangle_count: u32,
     draws: Staged,
@@ -112,7 +112,7 @@ pub(super) struct SplitBatch {
     /// [`SplitCounts`].
     pub counts: Buffer,
     groups: Vec<GroupDispatch>,
-    /// Indirect dispatch sizes, for each group.
+    /// Indirect dispatch sizes of the groups.
     indirect: BoundIndirect,
 }
 
@@ -173,8 +173,7 @@ impl SplitBatch {
         })
     }
 
-    /// `true` if it is bound to the batch's buffers and groups; the contents of the draws may
-    /// differ.
+    /// `true` if it is bound to the batch's buffers and groups, even if the draws' contents differ.
     pub fn fits(
         &self,
         (batch, prepared): (&GeometryBatch, &PreparedBatch),
@@ -208,7 +207,7 @@ impl SplitBatch {
         kernels.indirect.run(recorder, &self.indirect);
     }
 
-    /// Dispatches a walk over the items of all groups, each with the kernel for its detail;
+    /// Dispatches a walk over the items of all groups with the kernels for their details;
     /// `pass_group` is bind group 2.
     pub fn walk<'k>(
         &self,
@@ -247,7 +246,7 @@ pub(crate) fn textures_of(material: &SurfaceMaterial) -> [Option<&SurfaceTexture
         .map(Option::as_ref)
 }
 
-/// Bind group of a batch's triangles for all kernels that load them; `draws` are its draws.
+/// Bind group of a batch's triangles, for all kernels that load triangles.
 pub(crate) fn triangles_group(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
@@ -266,7 +265,7 @@ pub(crate) fn triangles_group(
         .build(device, "voxelize::triangles")
 }
 
-/// Bind group of a run of triangles and its textures for all kernels that sample them.
+/// Bind group of a run of triangles and its textures, for all kernels that sample textures.
 pub(crate) fn run_group(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,

@@ -8,7 +8,7 @@ import package::voxelize::needs::Needs;
 @group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> new_occupancy: array<u32>;
 @group(1) @binding(2) var<storage, read> new_ranks: array<u32>;
-// The voxels of the finest level that dynamic surface touches, now and in the list so far.
+// Bits of the voxels that dynamic surface touches: now, and in the previous list.
 @group(1) @binding(3) var<storage, read> moving: array<u32>;
 @group(1) @binding(4) var<storage, read_write> moving_before: array<u32>;
 @group(1) @binding(5) var<storage, read_write> occupancy: array<u32>;
@@ -24,7 +24,7 @@ fn cells(
     if needs.overflow != 0u || word > arrayLength(&occupancy) {
         return;
     }
-    // The total follows the ranks.
+    // The last rank is the total.
     ranks[word] = new_ranks[word];
     if word == arrayLength(&occupancy) {
         return;
@@ -32,12 +32,12 @@ fn cells(
     let former = occupancy[word];
     occupancy[word] = new_occupancy[word];
     if word < arrayLength(&moving_before) {
-        // A missing share touches nothing.
+        // A missing share has no bits.
         var now = 0u;
         if word < arrayLength(&moving) {
             now = moving[word];
         }
-        // Voxels that appear, disappear, or that dynamic surface has left; compare.wgsl finds the
+        // Voxels that appear or disappear, or that dynamic surface has left; compare.wgsl finds
         // other changed voxels.
         changed[word] |= (former ^ new_occupancy[word]) | (moving_before[word] & ~now);
         moving_before[word] = now;

@@ -1,5 +1,4 @@
-// Marks the voxels touched by dynamic surface whose surface differs from the list's: their cells,
-// and the cells above them, are outdated.
+// Marks voxels touched by dynamic surface as changed if their surface differs from the list's.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

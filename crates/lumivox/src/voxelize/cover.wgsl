@@ -2,8 +2,8 @@
 // order.
 //
 // Seen along the lobe's axis, the voxel's side has 8 x 8 squares with a bit each, set if the piece
-// touches the square. Finer, but convex, are four profiles of 32 bits: along u, v, u + v and u - v.
-// A point is covered if its bits in all five are set.
+// touches the square. Four profiles of 32 bits, along u, v, u + v and u - v, are finer but convex.
+// A point is covered if its bits are set in the mask and in all profiles.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::voxelize::walk::Walk;
@@ -13,7 +13,7 @@ struct Cover {
     profiles: vec4u,
 }
 
-// Rounding error that is allowed for, in voxels.
+// Bound of the rounding error, in voxels.
 const ROUNDING = 1.0 / 1024.0;
 
 // Half the side of a square of the mask.
@@ -24,7 +24,7 @@ fn on_profiles(uv: vec2f) -> vec4f {
     return vec4f(uv, 0.5 * (uv.x + uv.y), 0.5 * (uv.x - uv.y) + 0.5);
 }
 
-// The minimum and maximum of a piece along each of these axes.
+// The minimum and maximum of a piece along each profile's axis.
 struct Extent {
     low: vec4f,
     high: vec4f,
@@ -59,7 +59,7 @@ struct Own {
     slope: vec2f,
 }
 
-// Distance of a point to the inner side of an edge, times the edge's length.
+// Signed distance of a point to an edge, positive inside, times the edge's length.
 fn inside_of(p: vec2f, start: vec2f, end: vec2f, side: f32) -> f32 {
     let along = end - start;
     let to = p - start;
@@ -70,7 +70,7 @@ fn reach_of(start: vec2f, end: vec2f) -> f32 {
     return abs(end.x - start.x) + abs(end.y - start.y);
 }
 
-// Whether a square around a point, with `half` of its side length, may touch the triangle.
+// Whether a square around a point, with `half` as half its side, may touch the triangle.
 fn touches_square(own: Own, p: vec2f, half: f32) -> bool {
     let height = own.a.z + dot(own.slope, p - own.a.xy);
     let rise = half * (abs(own.slope.x) + abs(own.slope.y)) + ROUNDING;
@@ -80,7 +80,7 @@ fn touches_square(own: Own, p: vec2f, half: f32) -> bool {
         && height + rise >= 0.0 && height - rise <= 1.0;
 }
 
-// Extends by the points where the edges of the voxel intersect the triangle.
+// Extends by the points where edges of the voxel intersect the triangle.
 fn reach_inside(extent: ptr<function, Extent>, own: Own) {
     for (var i = 0u; i < 4u; i++) {
         let low = vec2f(f32(i & 1u), f32(i >> 1u));
@@ -129,7 +129,7 @@ fn cover_of(walk: ptr<function, Walk>, centroid: vec3f) -> Cover {
         }
         cover.mask[v / 4u] |= row << (8u * (v % 4u));
     }
-    // At least the square of the centroid.
+    // Always set the square of the centroid.
     let square = vec2u(min(8.0 * middle.xy, vec2f(7.0)));
     cover.mask[square.y / 4u] |= 1u << (8u * (square.y % 4u) + square.x);
     return cover;

@@ -11,7 +11,8 @@ import package::voxelize::needs::Needs;
 @group(1) @binding(1) var<uniform> counts: ListCounts;
 // The nodes of level 0.
 @group(1) @binding(2) var<uniform> finest: NodeRange;
-// For each share: bits and ranks, the lobes of its voxels, and the indices of their first faces.
+// For each share: its cells' bits and ranks, its voxels' lobes, and the indices of their first
+// faces.
 @group(1) @binding(3) var<storage, read> fixed_cells: array<vec2u>;
 @group(1) @binding(4) var<storage, read> fixed_nodes: array<Node>;
 @group(1) @binding(5) var<storage, read> fixed_faces: array<u32>;

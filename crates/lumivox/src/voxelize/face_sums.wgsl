@@ -8,15 +8,16 @@ import package::voxelize::plane_keys::plane_of;
 import package::voxels::list::{LARGEST_REFLECTANCE, lobe_axis, lobe_sign};
 import package::voxels::morton::morton_decode;
 
-// A face before and after the conversion: sums as integers, then the numbers of voxels::list::Face
-// as their bits. In place, since both together would be the largest allocation of voxelization.
+// A face before and after the conversion: first integer sums, then the bits of the numbers of
+// voxels::list::Face. It is converted in place, since separate sums would be the largest allocation
+// of voxelization.
 struct FaceSlot {
-    // Sums: within the voxel.
+    // While summing: the position within the voxel.
     position_in_world: vec3i,
-    // Sums: the area of holes.
+    // While summing: the area of holes.
     cell: u32,
     vector_area: vec3i,
-    // Sums: the key of the plane (plane_keys.wgsl).
+    // While summing: the key of the plane (plane_keys.wgsl).
     lobe: u32,
     reflectance: vec3i,
     flags: u32,
@@ -31,7 +32,7 @@ struct FaceMeans {
     position_in_voxel: vec3f,
     vector_area: vec3f,
     reflectance: vec3f,
-    // Relative to the largest of all materials.
+    // Relative to the scale of all materials' emission.
     emission: vec3f,
     gloss: vec3f,
 }
@@ -45,10 +46,10 @@ fn normal_of(key: u32, lobe: u32) -> vec3f {
     return turn_back(normalize(vec3f(-plane.slope, 1.0)) * lobe_sign(lobe), lobe_axis(lobe));
 }
 
-// `scale` is the factor of the sums.
+// `scale` is the factor by which the terms of the sums were scaled.
 fn means_of(slot: FaceSlot, scale: f32, lobe: u32) -> FaceMeans {
-    // All terms of the area along the lobe have the same sign, so it is zero only if all of them
-    // are too small for the sums.
+    // All terms of the area along the lobe have the same sign, so the area is zero only if all of
+    // them are too small for the sums.
     let along = f32(slot.vector_area[lobe_axis(lobe)]) * lobe_sign(lobe);
     let weight = max(along, 1.0);
     var area = vec3f(slot.vector_area) / max(scale, along);

@@ -10,34 +10,34 @@ import package::voxels::list::{faces_of, with_faces};
 // is an upper bound.
 const AREAS_PER_UNIT = 4096.0;
 
-// Sums stay below this; the sign needs one of 32 bits, and rounding half of the remaining range.
+// Bound of sums: of 32 bits one is the sign, and half of the remaining range is for rounding.
 const LARGEST_SUM = 1073741824.0;
 
 struct VoxelFaces {
-    // As in Node (voxels/list.wgsl); the numbers of faces are added when they are counted.
+    // As in Node (voxels/list.wgsl); `count` adds the numbers of faces.
     lobes: u32,
     // First an upper bound of the area of all pieces in the voxel, low and high word; later the low
-    // word is the factor (f32) that converts a share of a sum to an integer.
+    // word is the factor (f32) that converts terms of sums to integers.
     area_low: u32,
     area_high: u32,
     first_face: u32,
-    // Four for each lobe (planes.wgsl): the outer two are the largest key of the first walk and,
-    // inverted, the smallest one; those of the second walk are between them. Later the sorted keys
-    // of the planes, from the front.
+    // Four for each lobe (planes.wgsl): the outer two are the first walk's largest key and inverted
+    // smallest key; the inner two are the second walk's. Later the sorted keys of the planes, from
+    // the front.
     planes: array<u32, 24>,
 }
 
 @group(1) @binding(0) var<storage, read_write> voxels: array<VoxelFaces>;
-// One more than there are voxels: the total.
+// One per voxel, and the total.
 @group(1) @binding(1) var<storage, read_write> first_faces: array<u32>;
-// Ranks of the finest level; the last one is the number of voxels, which may exceed the capacity.
+// Ranks of the finest level; the last one is the number of voxels and may exceed the capacity.
 @group(1) @binding(2) var<storage, read> ranks: array<u32>;
 
 fn voxel_count() -> u32 {
     return min(ranks[arrayLength(&ranks) - 1u], arrayLength(&voxels));
 }
 
-// In units of the area of a voxel's side.
+// Area of a voxel's pieces, in units of the area of its side.
 fn area_of(voxel: u32) -> f32 {
     let low = f32(voxels[voxel].area_low);
     let high = f32(voxels[voxel].area_high) * 4294967296.0;

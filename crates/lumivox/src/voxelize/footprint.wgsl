@@ -19,26 +19,26 @@ const DOMINANCE = 1.0 + 1.0 / 8192.0;
 const SMALLEST_CROSS = 1e-30;
 
 struct Footprint {
-    // 0, 1, 2 for x, y, z.
+    // The dominant axis: 0, 1, 2 for x, y, z.
     axis: u32,
-    // In walk order; its length is twice the triangle's area.
+    // The normal in walk order; its length is twice the triangle's area.
     normal: vec3f,
     // The voxels of the triangle's box inside the walked part of the cascade, in walk order, both
     // ends included.
     first: vec3i,
     last: vec3i,
-    // No area, or not finite.
+    // Whether the triangle has no area, or is not finite.
     is_degenerate: bool,
-    // No voxel of the cascade touches its box.
+    // Whether no voxel of the cascade touches its box.
     is_outside: bool,
 }
 
-// Into walk order.
+// Converts to walk order.
 fn turn(v: vec3f, axis: u32) -> vec3f {
     return select(select(v.yzx, v.zxy, axis == 1u), v, axis == 2u);
 }
 
-// From walk order.
+// Converts from walk order.
 fn turn_back(v: vec3f, axis: u32) -> vec3f {
     return select(select(v.zxy, v.yzx, axis == 1u), v, axis == 2u);
 }
@@ -75,7 +75,7 @@ fn footprint_in(triangle: Triangle, cascade: u32) -> Footprint {
     result.is_degenerate = !(is_finite(triangle.a) && is_finite(triangle.b) && is_finite(triangle.c)
         && is_finite(cross) && abs(result.normal.z) > SMALLEST_CROSS);
 
-    // Voxels are closed boxes here: what touches a boundary belongs to the voxels on both sides of
+    // Voxels are closed boxes here: a point on a boundary belongs to the voxels on both sides of
     // it.
     let low = min(triangle.a, min(triangle.b, triangle.c));
     let high = max(triangle.a, max(triangle.b, triangle.c));

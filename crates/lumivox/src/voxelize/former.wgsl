@@ -7,7 +7,7 @@ import package::voxelize::needs::Needs;
 import package::voxels::list::Node;
 import package::voxels::lookup::bits_below;
 
-// Instead of a face: the list does not have the voxel.
+// Stored if the list does not contain the voxel.
 const NO_FACE = 0xffffffffu;
 
 @group(1) @binding(0) var<uniform> needs: Needs;

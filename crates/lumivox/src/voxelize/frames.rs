@@ -1,4 +1,4 @@
-//! Voxelization for frames: it only records commands, and reads results back a few frames late.
+//! Voxelization for frames: only records commands, and reads results back a few frames later.
 
 use super::Voxelizer;
 use super::input::{self, ShareInput, ShareKey};
@@ -15,7 +15,7 @@ use crate::{Geometry, GiError, Grid};
 /// Initial capacity for voxels of dynamic surface, before their number is known.
 const FIRST_VOXELS: u64 = 64;
 
-/// The most nodes that `voxels` voxels can have in all levels.
+/// Maximum number of nodes of all levels for `voxels` voxels.
 fn most_nodes(grid: &Grid, voxels: u64) -> u64 {
     let cells = |level| grid.level_dimensions(level).as_u64vec3().element_product();
     (0..grid.levels).map(|level| voxels.min(cells(level))).sum()
@@ -38,7 +38,8 @@ impl Voxelizer {
         let limits = device.limits();
         let emission_scale = input::emission_scale(geometry);
         recorder.stage("voxelize");
-        // Finish one move before starting the next, or boxes that always move would never arrive.
+        // Finish one move before starting the next, or boxes that always move would never get
+        // there.
         if scene.next.is_none() && scene.wanted.is_some() {
             scene.next = scene.first_step().map(|grid| self.placed(&device, grid));
             scene.rebuild = None;
@@ -69,7 +70,7 @@ impl Voxelizer {
         if let Some((fixed, union)) = arrived {
             Self::replace(work, scene, Some(fixed), (union, has_moving))?;
         } else if scene.next.is_some() {
-            // The list does not change until the next grid is ready.
+            // Until the next grid is ready, the list does not change.
         } else if !is_needed {
             scene.rebuild = None;
             if scene.fixed.is_some() {
@@ -146,7 +147,7 @@ impl Voxelizer {
         let mut needed_faces = u64::from(needs.moving_faces);
         if needs.overflow & OVERFLOW_VOXELS != 0 {
             let needed = u64::from(needs.moving_voxels);
-            // The numbers of their faces are not known yet.
+            // The numbers of these voxels' faces are unknown yet.
             (needed_sums, needed_faces) = (0, 0);
             if voxels < needed {
                 moving.reserve(work, with_spare(needed))?;
@@ -168,10 +169,10 @@ impl Voxelizer {
     }
 
     /// Advances the rebuild of changed static surface by one step, and returns the surface and the
-    /// union of the next list once it is complete. With cascades it walks only what has entered
-    /// their boxes, and the surroundings of draws that were added or removed; the rest is copied
-    /// from the current share. A rebuild is finished even if draws have changed again, or draws
-    /// that always change would starve it.
+    /// union of the next list once it is complete. With cascades it walks only surface that has
+    /// entered their boxes, and the surroundings of added or removed draws; the rest is copied from
+    /// the current share. A rebuild is finished even if draws have changed again, or draws that
+    /// always change would starve it.
     fn rebuild(
         &self,
         recorder: &mut Recorder<'_>,
@@ -212,7 +213,7 @@ impl Voxelizer {
         let globals = rebuild.globals.clone();
         let work = &mut self.work(recorder, device, grid, &globals);
         let Some(words) = rebuild.reads.latest(device) else {
-            // If its encoder was dropped, it starts again.
+            // If its encoder was dropped, the rebuild starts again.
             scene.rebuild = Some(rebuild).filter(|own| own.reads.peek().0 != LastRead::Lost);
             return Ok(None);
         };
@@ -235,7 +236,7 @@ impl Voxelizer {
         let (faces, nodes) = (share.take_faces(&words), u64::from(words[3]));
         let needs = Needs::of_voxels(share.capacity()[0]);
         let needs = uniform_buffer(device, "needs", &needs);
-        // It is the largest of the buffers of faces.
+        // The sums are the largest buffer of faces.
         work.memory.check("the surface", faces, SURFACE_BYTES, work.remedy())?;
         share.reserve_sums(work, faces, &needs)?;
         share.sum_up(work, kept_share);
@@ -244,8 +245,8 @@ impl Voxelizer {
         Ok(Some((Fixed { key, share: Some(share), faces, nodes, counts }, union)))
     }
 
-    /// Replaces the static surface and the list; `None` removes the static surface. A new union is
-    /// made unless there is one. The list has spare capacity only for dynamic surface.
+    /// Replaces the static surface and the list; `None` removes the static surface. Creates a union
+    /// unless one is given. The list has spare capacity only for dynamic surface.
     fn replace(
         work: &mut Work<'_, '_>,
         scene: &mut VoxelizedScene,
@@ -265,7 +266,7 @@ impl Voxelizer {
         scene.union = Some(union);
         scene.fixed = fixed;
         scene.replace_list(list);
-        // Earlier read-backs are about the old list.
+        // Earlier read-backs belong to the old list.
         scene.late = OverflowReads::default();
         Ok(())
     }

@@ -10,16 +10,16 @@ use crate::{GiError, Grid};
 
 /// A method to find voxels and the surface in them, instead of the exact walk.
 ///
-/// Implement it to use the strengths of your hardware (a rasterizer, ray queries), or to trade
-/// accuracy for time. It records its results by the functions of `package::voxelize::mark`,
-/// `planes` and `accumulate`, into the same bits and sums, so that lists, layers, static shares and
-/// all later stages work with it unchanged.
+/// Implement it to use your hardware's rasterizer or ray queries, or to trade accuracy for time.
+/// Its shaders call the functions of `package::voxelize::mark`, `planes` and `accumulate`, which
+/// write the same bits and sums, so that lists, layers, static shares and all later stages work
+/// unchanged.
 pub trait Voxelization: Debug + Send + Sync {
     /// The name; settings that name the same voxelization are equal.
     fn name(&self) -> &'static str;
 
-    /// The shader stages of its walks, in addition to compute. All stages read triangles; of the
-    /// additional ones only fragment shaders write.
+    /// The shader stages of its walks, in addition to compute. All stages read triangles; only
+    /// compute and fragment shaders write.
     fn stages(&self) -> wgpu::ShaderStages {
         wgpu::ShaderStages::NONE
     }
@@ -69,9 +69,9 @@ pub enum WalkStep {
     Mark,
     /// Find their lobes, the area of their surface, and the front and back plane of each lobe.
     Planes,
-    /// Find the planes between these two.
+    /// Find the planes between the front and the back plane.
     MorePlanes,
-    /// Sum up the attributes of their faces.
+    /// Sum up the attributes of faces.
     Accumulate,
 }
 
@@ -83,7 +83,7 @@ pub enum Detail {
     Uniform,
     /// Textures or colours.
     Varied,
-    /// Light passes through holes or by transmission; textures and colours as well.
+    /// Textures, colours, and light that passes by holes or transmission.
     Pierced,
 }
 

@@ -17,8 +17,7 @@ struct ItemRun {
 struct Item {
     exists: bool,
     triangle: u32,
-    // The tile's number within its triangle: first the tiles of the finest cascade that it is in,
-    // then those of the next.
+    // The tile's number within its triangle: the tiles of the finest cascade come first.
     tile: u32,
 }
 
@@ -40,8 +39,8 @@ fn find_triangle(item: u32, first: u32, end: u32) -> u32 {
     return low;
 }
 
-// All invocations of a workgroup must call this. Two of them search for the first and last triangle
-// of the workgroup, then each searches only between these.
+// All invocations of a workgroup must call this. Two of them find the first and last triangle of
+// the workgroup; then each searches only between these two.
 fn find_item(invocation: vec3u, workgroups: vec3u, local: u32) -> Item {
     let end_item = item_starts[run.end_triangle];
     let item = item_starts[run.first_triangle] + linear_index(invocation, workgroups);

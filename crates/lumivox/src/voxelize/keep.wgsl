@@ -1,5 +1,5 @@
-// Copies what stays in the moved boxes of a clipmap from the old static share to the new one, whose
-// walks cover only the rest.
+// Copies voxels that stay in the moved boxes of a clipmap from the old static share to the new one,
+// whose walks cover only the rest.
 
 import package::cascades::is_walked;
 import package::constants::LINEAR_WORKGROUP_SIZE;
@@ -10,7 +10,7 @@ import package::voxels::list::{Node, faces_of};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_decode;
 
-// The old share, by rank; the last one of `old_ranks` is the number of its voxels.
+// The old share, by rank; the last value of `old_ranks` is the number of its voxels.
 @group(1) @binding(0) var<storage, read> old_ranks: array<u32>;
 @group(1) @binding(1) var<storage, read> old_nodes: array<Node>;
 @group(1) @binding(2) var<storage, read> old_voxels: array<VoxelFaces>;
@@ -22,7 +22,7 @@ import package::voxels::morton::morton_decode;
 
 const NOTHING = 0xffffffffu;
 
-// The new index of an old voxel; NOTHING if it is not kept.
+// The new index of an old voxel; NOTHING if the voxel is not kept.
 fn kept_as(old: u32) -> u32 {
     if old >= min(old_ranks[arrayLength(&old_ranks) - 1u], arrayLength(&old_voxels)) {
         return NOTHING;
@@ -35,7 +35,7 @@ fn kept_as(old: u32) -> u32 {
     return cell.y + bits_below(cell.x, code % 32u);
 }
 
-// Before faces are counted: copies lobes and planes.
+// Copies lobes and planes, before faces are counted.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn lobes(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -48,7 +48,7 @@ fn lobes(
     }
 }
 
-// After faces have their indices: copies their sums and scale.
+// Copies the faces' sums and scale, once faces have indices.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn faces(
     @builtin(global_invocation_id) invocation: vec3u,

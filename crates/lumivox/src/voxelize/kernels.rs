@@ -39,7 +39,7 @@ impl Layouts {
     fn new(device: &Pipelines, voxelization: Option<&dyn Voxelization>) -> Self {
         use wgpu::ShaderStages;
         let compute = LayoutBuilder::compute;
-        // The exact walk needs no other stages.
+        // The exact walk uses only compute.
         let drawn = voxelization.map_or(ShaderStages::NONE, Voxelization::stages);
         let written = drawn & ShaderStages::FRAGMENT;
         let walk = || LayoutBuilder::new(ShaderStages::COMPUTE | drawn);
@@ -141,7 +141,7 @@ impl Kernels {
         let walk = |module: &str, entry: &str, pass: &wgpu::BindGroupLayout| {
             kernel(module, entry, &[&layouts.triangles, pass, &layouts.run])
         };
-        // Compiled once a scene needs it (`Self::make`).
+        // Compiled by `Self::make` once a scene needs it.
         let deferred = |module: &str, entry: &str, pass: &wgpu::BindGroupLayout| {
             let groups = [&layouts.grid, &layouts.triangles, pass, &layouts.run];
             Kernel::deferred(device, shaders, module, entry, &groups)

@@ -1,4 +1,4 @@
-//! The structs of this stage lie in memory alike in Rust and WGSL.
+//! The structs of this stage have the same layout in Rust and WGSL.
 
 use lumivox_reflect::check_struct;
 

@@ -1,4 +1,4 @@
-// Marks the voxels that triangles touch: a bit each, in Morton order.
+// Sets a bit for each voxel that a triangle touches, in Morton order.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::voxelize::items::find_item;
@@ -14,7 +14,8 @@ import package::voxels::morton::morton_encode;
 fn mark(walk: ptr<function, Walk>) {
     let code = morton_encode(walk_cell(walk));
     let bit = 1u << (code % 32u);
-    // Reads are cheap if many triangles share a voxel; writes would be serialized.
+    // Reads first: if many triangles share a voxel, reads are cheap, but writes would be
+    // serialized.
     if (atomicLoad(&occupancy[code / 32u]) & bit) == 0u {
         atomicOr(&occupancy[code / 32u], bit);
     }
@@ -41,7 +42,7 @@ fn opaque(
     }
 }
 
-// Surfaces that let light through: voxels in which none of the surface is left stay empty.
+// Surfaces that let light through. Voxels in which the surface has no coverage stay empty.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn covered(
     @builtin(global_invocation_id) invocation: vec3u,

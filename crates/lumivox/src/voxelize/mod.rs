@@ -3,7 +3,7 @@
 //! # Stages
 //! 1. `split` cuts each triangle into work items, tiles of columns along the dominant axis of its
 //!    normal. A prefix sum numbers them, and the counts become the sizes of indirect dispatches: no
-//!    queue that could overflow, no thread that walks a whole wall.
+//!    queue can overflow, and no thread walks a whole wall.
 //! 2. `mark` walks the items and sets the bit of each voxel that its triangle touches, by
 //!    separating axes (Schwarz and Seidel 2010). The pyramid of bits and its ranks are the list of
 //!    voxels.
@@ -11,30 +11,28 @@
 //!    of its normal's dominant axis and side, and to one of the lobe's up to four planes. The walks
 //!    find these planes, and add up the area of each voxel's surface.
 //! 4. `accumulate` walks once more and adds vector area, reflectance, emission and position to the
-//!    integer sums of the plane, and sets the bits of what the piece covers (`cover`); `resolve`
-//!    turns them into faces.
-//! 5. `starts` moves the faces' positions into their visible part.
+//!    integer sums of the piece's plane, and sets the bits of its cover (`cover`); `resolve` turns
+//!    the sums into faces.
+//! 5. `starts` moves each face's position into the face's visible part.
 //!
 //! # Parts
 //! Static and dynamic draws ([`Draw::is_static`](crate::Draw)) are two shares of the surface, each
-//! with its own voxels, planes and sums (`share.rs`). Neither share depends on the other: not its
-//! bits, and not the scale of its sums. So if only dynamic draws have changed, the static share is
-//! unchanged, and only dynamic triangles are walked. `union.rs` unites both in one list, in the
-//! same way whether a share is new or kept: the result is identical to the bit to a voxelization of
-//! everything.
+//! with its own voxels, planes and sums (`share.rs`). Neither share depends on the other, not even
+//! the scale of its sums. So if only dynamic draws have changed, the static share is unchanged, and
+//! only dynamic triangles are walked. `union.rs` unites both in one list in the same way whether a
+//! share is new or kept: the result has the same bits as a voxelization of everything.
 //!
 //! Walking again costs less memory than storing the pieces, of which a fine mesh has millions.
 //! Buffers of static surface are sized from counts that are read back, those of dynamic surface
 //! have spare capacity. A voxelization takes a few frames; `settle.rs` waits for it.
 //!
-//! A caller's own [`Voxelization`] may walk differently than over the items; everything else is
-//! shared.
+//! A caller's own [`Voxelization`] may walk otherwise than over items; everything else is shared.
 //!
 //! # Sums
 //! All concurrent writes are bit sets or integer sums, so neither scheduling nor the order of the
 //! triangles affects the result. Each voxel's sums have the largest scale that cannot overflow,
-//! chosen from the surface in it, and terms are rounded at random (by a hash of triangle and
-//! voxel), so that a million terms below the unit still add up.
+//! chosen from its surface, and terms are rounded at random (by a hash of triangle and voxel), so
+//! that a million terms below the unit still add up.
 
 pub(crate) mod batch;
 mod frames;
@@ -111,18 +109,18 @@ struct VoxelFaces {
 pub struct VoxelizeStats {
     /// Triangles given.
     pub triangles: u64,
-    /// How many of them were walked: all, or only the dynamic ones if the static ones were reused.
+    /// Walked triangles: all, or only the dynamic ones if the static ones were reused.
     pub walked: u64,
     /// `true` if the results of an earlier voxelization were reused for the static triangles. All
     /// counts here include them.
     pub static_reused: bool,
-    /// How many of the given triangles have no area, or non-finite coordinates; they are left out.
+    /// Triangles with no area or non-finite coordinates, which are left out.
     pub skipped: u64,
-    /// How many of the given triangles lie wholly outside the grid.
+    /// Triangles that lie wholly outside the grid.
     pub outside: u64,
     /// Tiles of triangles: the threads of each exact walk.
     pub work_items: u64,
-    /// Pieces of triangles in voxels; those that a walk finds more than once are counted each time.
+    /// Pieces of triangles in voxels, each counted as often as a walk finds it.
     pub fragments: u64,
     /// Occupied voxels.
     pub voxels: u32,

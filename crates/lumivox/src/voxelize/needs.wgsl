@@ -1,7 +1,7 @@
 // Decides whether everything fits; if so, writes the counts of the new list. One thread.
 //
-// Everything is counted even if it does not fit: a thread that writes past the end of a buffer does
-// no harm, since nothing of this voxelization is committed then.
+// Everything is counted even if it does not fit. Writes past the end of a buffer do no harm, since
+// such a voxelization is not committed.
 
 import package::constants::{COUNT_BLOCK_WORDS, LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS,
     OVERFLOW_FACES, OVERFLOW_NODES, OVERFLOW_SUMS, OVERFLOW_VOXELS};
@@ -22,7 +22,7 @@ struct Capacity {
 }
 
 struct Needs {
-    // Bits OVERFLOW_*; zero: the list is committed.
+    // Bits OVERFLOW_*; the list is committed if zero.
     overflow: u32,
     // Voxels that dynamic surface touches, and the number of their faces, including those of static
     // surface.
@@ -61,7 +61,7 @@ fn main() {
     now.moving_voxels = voxels;
     now.nodes = nodes;
     if voxels > capacity.voxels {
-        // The numbers of their faces are not known.
+        // The number of faces is unknown.
         now.overflow |= OVERFLOW_VOXELS;
     } else {
         now.moving_faces = united_faces[voxels];

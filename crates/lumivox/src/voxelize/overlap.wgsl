@@ -7,7 +7,7 @@
 
 import package::voxelize::walk::{EdgeTest, Walk, edge_test, may_touch};
 
-// The edges seen along v (u and w remain) and along u (v and w remain).
+// Edge tests in the projections along v (onto u and w) and along u (onto v and w).
 struct SideTests {
     ab_uw: EdgeTest,
     bc_uw: EdgeTest,

@@ -16,9 +16,9 @@
 import package::voxelize::walk::Walk;
 
 struct Piece {
-    // Seen along w, in units of a voxel's side squared; 0 if there is none.
+    // Area seen along w, in voxel sides; 0 if there is no piece.
     area: f32,
-    // In the coordinates of the walk.
+    // The centroid, in the walk's coordinates.
     centroid: vec3f,
 }
 
@@ -30,7 +30,7 @@ struct Cut {
 
 // The contribution of an edge to the boundary integrals: of u dv, u^2 / 2 dv and u v dv.
 fn integrals(start: vec2f, end: vec2f, low: vec2f, high: vec2f) -> vec3f {
-    // Cut to the square along v.
+    // Cuts the edge to the square along v.
     let run = end - start;
     let du_dv = run.x * select(1.0 / run.y, 0.0, run.y == 0.0);
     let v0 = clamp(start.y, low.y, high.y);
@@ -80,8 +80,9 @@ fn piece_in_voxel(walk: ptr<function, Walk>) -> Piece {
     let box_high = clamp(most, corner, corner + 1.0);
     let is_whole = all(least >= corner) && all(most <= corner + 1.0) && least.z < corner.z + 1.0;
 
-    // Relative to a point near the piece, so that the integrals of a tiny piece are sums of tiny
-    // numbers. Depth is not changed, so that two neighbours compare it with the same number.
+    // Coordinates are relative to a point near the piece, so that the integrals of a tiny piece are
+    // sums of tiny numbers. Depth is not shifted, so that neighbouring voxels compare it with the
+    // same number.
     let origin = vec3f(box_low.xy, 0.0);
     let low = corner - origin;
     let high = low + 1.0;
@@ -95,7 +96,7 @@ fn piece_in_voxel(walk: ptr<function, Walk>) -> Piece {
         + integrals(bc.start, bc.end, low.xy, high.xy)
         + integrals(ca.start, ca.end, low.xy, high.xy);
 
-    // The lines that close the boundary where it leaves through an end of the slab and comes back.
+    // The lines that close the boundary between leaving and re-entering the slab.
     let below = vec3<bool>(a.z < low.z, b.z < low.z, c.z < low.z);
     let next_below = below.yzx;
     if any(below) {
@@ -121,7 +122,7 @@ fn piece_in_voxel(walk: ptr<function, Walk>) -> Piece {
     sum *= sign(normal.z);
 
     var piece = Piece(0.0, vec3f(0.0));
-    // The sums have terms no larger than the box, each off by a few roundings.
+    // The sums' terms are at most as large as the box, each off by a few roundings.
     let box = box_high.xy - box_low.xy;
     if is_whole {
         piece.area = 0.5 * abs(normal.z);

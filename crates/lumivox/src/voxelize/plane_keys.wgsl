@@ -12,13 +12,12 @@ struct Plane {
 const HEIGHT_STEPS = 1364.0;
 const SLOPE_STEPS = 511.0;
 
-// Parallel planes that are closer than this, in voxels, are merged. Planes of curved surface
-// intersect in the voxel; they are merged, too, if their slopes differ by less than the second
-// constant.
+// Parallel planes closer than SAME_HEIGHT, in voxels, are merged. Planes that intersect in the
+// voxel, as on curved surface, are merged if their slopes differ by less than the second constant.
 const SAME_HEIGHT = 0.004;
 const SAME_SLOPE = 0.15;
 
-// Larger keys are nearer to the side that the lobe faces; never 0.
+// The key of a plane, never 0. Planes nearer to the side that the lobe faces have larger keys.
 fn key_of(plane: Plane, lobe: u32) -> u32 {
     let steps = u32(round((plane.height + 1.0) * HEIGHT_STEPS));
     let height = 1u + select(steps, 4092u - min(steps, 4092u), (lobe & 1u) != 0u);

@@ -1,11 +1,11 @@
-// Finds the planes of surface in each voxel, and the area of its surface, which size the list of
-// faces and scale their sums.
+// Finds the planes in each voxel, which size the list of faces, and the area of its surface, which
+// scales their sums.
 //
 // The pieces in a voxel belong to lobes, and those of a lobe to planes: two sides of a thin wall,
 // or a lamp below a ceiling and the ceiling itself, are never merged. A plane is a key of 32 bits:
 // its height along the lobe's axis at the voxel's middle, and its two slopes. A lobe has up to four
 // planes, found in two order-independent walks: first the front and the back plane, then the two
-// outermost of the rest. Other pieces, which curved surface has, join the nearest plane.
+// outermost of the rest. Any further pieces, as on curved surface, join the nearest plane.
 
 import package::constants::{DOUBLE_SIDED, LINEAR_WORKGROUP_SIZE};
 import package::voxelize::faces::AREAS_PER_UNIT;
@@ -84,7 +84,7 @@ fn add_second(walk: ptr<function, Walk>, voxel: u32, lobes: u32) {
     }
 }
 
-// Which of the two walks it is.
+// The two walks.
 const FIRST = 0u;
 const SECOND = 1u;
 

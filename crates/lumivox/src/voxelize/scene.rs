@@ -17,7 +17,7 @@ use crate::gpu::{
 use crate::voxels::{VoxelList, level_first_word};
 use crate::{Geometry, GiError, Grid};
 
-/// The voxels of a scene, and the data that is kept to update them when some triangles have moved.
+/// The voxels of a scene, and the data that updates reuse.
 #[derive(Debug)]
 pub(crate) struct VoxelizedScene {
     pub(super) grid: Grid,
@@ -30,9 +30,9 @@ pub(crate) struct VoxelizedScene {
     /// `true` if the union is bound to the current shares and list.
     pub(super) is_bound: bool,
     pub(super) list: Option<VoxelList>,
-    /// `true` if the list is new: static surface is not in it yet.
+    /// `true` if the list is new and does not contain static surface yet.
     pub(super) is_list_new: bool,
-    /// The last committed list, which the new one replaces.
+    /// The last committed list, if a new one is about to replace it.
     pub(super) replaced: Option<VoxelList>,
     /// Cells whose surface has changed, a bit each, laid out as the list's occupancy. The list's
     /// consumers clear them.
@@ -42,7 +42,7 @@ pub(crate) struct VoxelizedScene {
     /// Read-backs of [`Needs`] and the list's counts, since the list was replaced.
     pub(super) late: OverflowReads,
     pub(super) rebuild: Option<Rebuild>,
-    /// The next grid: that of a clipmap whose boxes have moved.
+    /// The grid of a clipmap whose boxes have to move; `None` if the current one is right.
     pub(crate) wanted: Option<Grid>,
     /// Grid of the rebuild in progress.
     pub(super) next: Option<PlacedGrid>,
@@ -59,7 +59,7 @@ pub(super) struct PlacedGrid {
 #[derive(Debug)]
 pub(super) struct Fixed {
     pub(super) key: ShareKey,
-    /// `None` if there are no dynamic draws: no update would need it.
+    /// `None` if there are no dynamic draws, whose updates would need it.
     pub(super) share: Option<Share>,
     pub(super) faces: u64,
     /// Nodes of all levels.
@@ -91,7 +91,7 @@ pub(crate) struct Collected<'a> {
     pub list: &'a VoxelList,
     /// The list that it replaces; `None` if the list itself is updated.
     pub replaced: Option<&'a VoxelList>,
-    /// The faces that it will get for dynamic surface.
+    /// The faces that the list will get for dynamic surface.
     pub moving: Moving<'a>,
     /// Its grid.
     pub grid: &'a Grid,
@@ -103,7 +103,8 @@ pub(crate) struct FrameVoxels {
     /// `true` if the voxels are those of an earlier frame: a buffer overflowed, or static surface
     /// is still being rebuilt.
     pub is_late: bool,
-    /// `true` if the last recording is not read back yet; `is_late` then describes an earlier one.
+    /// `true` if the last recording is not read back yet; `is_late` then describes an earlier
+    /// recording.
     pub is_pending: bool,
     /// Occupied voxels.
     pub voxels: u32,
@@ -201,7 +202,7 @@ impl VoxelizedScene {
         shares + self.union.as_ref().map_or(0, Union::bytes)
     }
 
-    /// Replaces the list by an empty one, which has yet to be committed.
+    /// Replaces the list by an empty one, which is not committed yet.
     pub(super) fn replace_list(&mut self, list: VoxelList) {
         let before = self.list.replace(list);
         // A list that was never committed has no light.

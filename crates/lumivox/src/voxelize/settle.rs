@@ -39,7 +39,7 @@ impl Voxelizer {
         Ok(is_reused)
     }
 
-    /// Reads the counts of a voxelization of which nothing is late, and frees what no update needs.
+    /// Reads the counts of a finished voxelization, and frees data that no update needs.
     pub(crate) async fn complete(
         &self,
         recorder: &mut Recorder<'_>,
@@ -49,7 +49,7 @@ impl Voxelizer {
     ) -> Result<VoxelizeStats, GiError> {
         self.read_back(recorder, scene)?;
         if let Some(moving) = &mut scene.moving {
-            // Only the number of pieces is used of the counts of faces.
+            // Uses only the number of pieces of the faces' counts.
             let sources = [moving.marked_counts(), moving.face_counts(0)];
             let bytes = sources[0].iter().map(|source| source.2 as usize).sum::<usize>();
             let words = read(recorder, &sources.concat()).await?;
@@ -86,7 +86,8 @@ impl Voxelizer {
 }
 
 impl VoxelizedScene {
-    /// Cancels the rebuild of static surface if it touches no voxel and nothing else does.
+    /// Cancels the rebuild of static surface if that touches no voxel and there is no dynamic
+    /// surface.
     ///
     /// # Errors
     /// [`GiError::NothingToVoxelize`] if so.
@@ -104,7 +105,7 @@ impl VoxelizedScene {
     }
 }
 
-/// Submits what is recorded, and waits until its results are known.
+/// Submits the recorded commands, and waits until their results are known.
 ///
 /// # Errors
 /// [`GiError::Device`] if the device is lost.

@@ -1,7 +1,7 @@
 //! A share of the surface, static or dynamic, during the walks.
 //!
-//! A buffer may be larger than needed, or too small: then everything is counted all the same, and
-//! the share is collected again in larger buffers ([`Share::reserve`]).
+//! Buffers may be larger than needed. If one is too small, everything is still counted, and the
+//! share is collected again in larger buffers ([`Share::reserve`]).
 
 use super::batch::{Fallbacks, SplitBatch, SplitCounts};
 use super::hook::{Walk, WalkStep};
@@ -28,7 +28,7 @@ pub(super) struct Work<'a, 'r> {
 }
 
 impl Work<'_, '_> {
-    /// The remedy if a buffer of the surface does not fit.
+    /// The error's remedy if a buffer of the surface does not fit.
     pub fn remedy(&self) -> Remedy {
         Remedy::Surface(self.grid.dimensions.max_element())
     }
@@ -40,7 +40,7 @@ pub(super) struct ShareCounts {
     pub triangles: u64,
     pub degenerate: u64,
     pub outside: u64,
-    /// Triangles of draws outside of everything that is walked.
+    /// Triangles of draws outside of the walked boxes.
     pub left_out: u64,
     pub items: u64,
     pub pieces: u64,
@@ -195,7 +195,7 @@ impl Share {
         Ok(())
     }
 
-    /// Allocates sums for `capacity` faces; `needs` says whether they fit.
+    /// Allocates sums for `capacity` faces; `needs` will contain whether they fit.
     pub fn reserve_sums(
         &mut self,
         work: &mut Work<'_, '_>,
@@ -251,8 +251,7 @@ impl Share {
         kernels.prepare_faces.run_linear(work.recorder, &groups, voxels.capacity);
     }
 
-    /// Sums up the faces if nothing overflowed; those from the share `kept`
-    /// keep their sums.
+    /// Sums up the faces if nothing overflowed; copies the sums of faces from the share `kept`.
     pub fn sum_up(&self, work: &mut Work<'_, '_>, kept: Option<&Self>) {
         let Some(sums) = &self.sums else { return };
         work.recorder.clear(&sums.buffer);
@@ -272,8 +271,8 @@ impl Share {
         work.kernels.keep_bits.run_linear(work.recorder, &[work.globals, &group], words);
     }
 
-    /// Runs a kernel of `keep.wgsl` over the voxels of an earlier share. If sums are not allocated
-    /// yet, the kernel does not read them.
+    /// Runs a kernel of `keep.wgsl` over the voxels of an earlier share. Sums may be unallocated if
+    /// the kernel does not read them.
     fn keep(&self, work: &mut Work<'_, '_>, before: &Self, kernel: &Kernel) {
         let (Some(old), Some(new)) = (&before.voxels, &self.voxels) else { return };
         let device = work.memory.device();
@@ -292,8 +291,8 @@ impl Share {
         kernel.run_linear(work.recorder, &[work.globals, &group], old.capacity);
     }
 
-    /// Walks over all items: bind group 2 has each batch's starts of items, and then the step's
-    /// inputs and outputs.
+    /// Walks over all items. Bind group 2 has the batch's starts of items, then the step's inputs
+    /// and outputs.
     fn walk(&self, work: &mut Work<'_, '_>, step: WalkStep, groups: &[BindGroup]) {
         let Work { voxelizer, recorder, globals, grid, .. } = work;
         let batches = &self.batches;
@@ -369,7 +368,7 @@ impl Share {
 /// Bytes of [`SplitCounts`].
 const SPLIT_BYTES: u64 = size_of::<SplitCounts>() as u64;
 
-/// Refuses batches that have more items than can be numbered.
+/// Rejects batches with more items than can be numbered.
 fn check_numbering(splits: &[SplitCounts]) -> Result<(), GiError> {
     for split in splits {
         if split.items_overflow > 0 {

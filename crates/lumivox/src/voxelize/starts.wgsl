@@ -1,10 +1,10 @@
 // Finds the point at which the light of a face is computed: the middle of its visible part. A
 // thread per voxel.
 //
-// If a box or wall is on a floor, a part of the floor lies inside of other surface: the squares of
-// the face's mask that a back face in the voxel covers, or that a front face touches. A face
-// without other squares is HIDDEN. A wall on the floor also separates the squares in front of it
-// from those behind it: the point is then on the side with most of them.
+// If a box or wall stands on a floor, a part of the floor lies inside of it: the squares of the
+// face's mask that a back face in the voxel covers, or that a front face touches. A face without
+// other squares is HIDDEN. A wall also separates the floor's squares in front of it from those
+// behind it: the point is then on the side with more squares.
 
 import package::cascades::voxel_of;
 import package::constants::{HIDDEN, LINEAR_WORKGROUP_SIZE, PARTED, SINGLE_SIDED};
@@ -23,10 +23,11 @@ import package::voxels::morton::morton_decode;
 // Surfaces at most this far apart touch, in voxels.
 const TOUCHING = 0.02;
 
-// How far rounding may move a surface off its plane, in voxels.
+// Maximum distance by which rounding moves a surface off its plane, in voxels.
 const ROUNDING = 0.001;
 
-// More than half the diagonal of a square; and the cosine above which planes do not cross in it.
+// NEAR is more than half the diagonal of a square. The second constant is the cosine above which
+// planes do not cross in a square.
 const NEAR = 0.15;
 const PARALLEL = 0.99;
 
@@ -40,8 +41,8 @@ fn in_voxel(position_in_world: vec3f, place: Place) -> vec3f {
     return grid_from_world(position_in_world) / place.edge - place.corner;
 }
 
-// Relation of another face of the voxel to a point of a face: the other face hides it, or has it on
-// one of its sides.
+// Relation of another face of the voxel to a point of a face: the other face hides the point, or
+// has it on one of its sides.
 struct Beside {
     is_hidden: bool,
     is_behind: bool,
@@ -66,8 +67,7 @@ fn beside(other: u32, point: vec3f, normal: vec3f, is_single_sided: bool, place:
     return Beside(is_hidden, to > ROUNDING, is_near);
 }
 
-// A square of a face's mask: whether it is visible, and a bit for each other face that it is
-// behind.
+// A square of a face's mask: whether it is visible, and a bit for each face that it lies behind.
 struct Square {
     point: vec3f,
     is_covered: bool,
@@ -110,8 +110,7 @@ struct Start {
     flags: u32,
 }
 
-// The middle of the visible squares that share the most frequent combination of sides of the other
-// faces.
+// The middle of the visible squares on the most frequent combination of sides of the other faces.
 fn find_start(index: u32, first: u32, count: u32, place: Place) -> Start {
     var seen = vec4f(0.0);
     var is_whole = true;

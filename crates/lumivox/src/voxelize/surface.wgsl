@@ -18,7 +18,7 @@ struct Surface {
     reflectance: vec3f,
     // The covered share, which blocks light.
     coverage: f32,
-    // Relative to the largest of all materials.
+    // Relative to the scale of all materials' emission.
     emission: vec3f,
 }
 
@@ -27,12 +27,12 @@ struct TexcoordMap {
     at_a: vec2f,
     along_ab: vec2f,
     along_ac: vec2f,
-    // log4 of a sample's area in texture space: the mip level at which a texel is as large as the
-    // sample, for a texture of one texel.
+    // log4 of a sample's area in texture space. log4 of the texture's number of texels is added for
+    // the mip level whose texels are as large as the sample.
     level: f32,
 }
 
-// Everything that varies over the triangle.
+// The textures' coordinates, which vary over the triangle.
 struct SurfaceMap {
     reflectance: TexcoordMap,
     emission: TexcoordMap,
@@ -94,14 +94,14 @@ fn triangle_map(vertices: vec3u, draw: u32, footprints: f32) -> SurfaceMap {
     );
 }
 
-// With samples as large as a voxel's side.
+// The map for samples as large as a voxel's side.
 fn surface_map(walk: ptr<function, Walk>) -> SurfaceMap {
     return triangle_map((*walk).vertices, (*walk).draw, length((*walk).normal));
 }
 
 fn sample_at(image: texture_2d<f32>, image_sampler: sampler, map: TexcoordMap, at: vec2f) -> vec4f {
     let size = vec2f(textureDimensions(image));
-    // A texel as large as the sample: finer ones would alias, and shift colours.
+    // Texels as large as the sample: finer ones would alias, and shift colours.
     let mip = max(map.level + 0.5 * log2(size.x * size.y), 0.0);
     let texcoord = map.at_a + at.x * map.along_ab + at.y * map.along_ac;
     return textureSampleLevel(image, image_sampler, texcoord, mip);
@@ -132,9 +132,9 @@ fn surface_of(draw: u32, map: SurfaceMap, at: vec2f, detail: u32) -> Surface {
     }
     reflectance = clamp(reflectance, vec4f(0.0), vec4f(1.0));
     if detail == PIERCED {
-        // The share t of the light that enters passes through, coloured by the reflectance r; the
-        // rest is reflected. Voxels block all colours alike, so the luminance Y passes through, and
-        // the remaining, blocking part reflects r (1 - t) / (1 - t Y): no more than arrives.
+        // The share t of the entering light passes through, coloured by the reflectance r; the rest
+        // is reflected. Voxels block all colours alike, so the luminance Y passes through, and the
+        // remaining, blocking part reflects r (1 - t) / (1 - t Y): no more than arrives.
         let share = draws[draw].transmission
             * sample_at(transmission_texture, transmission_sampler, map.transmission, at).r;
         // ITU-R BT.709-6, section 3.2.

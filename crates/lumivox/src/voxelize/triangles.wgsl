@@ -2,14 +2,13 @@
 
 import package::constants::HAS_SHORT_INDICES;
 
-// A piece with holes of which less than this share is left is dropped: about the resolution of 8
-// bits.
+// Pieces with a smaller coverage are dropped; about the resolution of 8 bits.
 const SMALLEST_COVERAGE = 1.0 / 512.0;
 
 // How vertices map to a texture.
 struct TexturePlace {
-    // The rows of the affine transform from the vertices' coordinates to the image's, and the word
-    // offset of those coordinates of vertex 0.
+    // The rows of the affine transform from the vertices' texture coordinates to the image's, and
+    // the word offset of the coordinates of vertex 0.
     u_row: vec3f,
     word: u32,
     v_row: vec3f,
@@ -22,7 +21,7 @@ struct Draw {
     grid_from_local_x: vec4f,
     grid_from_local_y: vec4f,
     grid_from_local_z: vec4f,
-    // Factors of the textures. Emission is relative to the largest of all materials.
+    // Factors of the textures. Emission is relative to the scale of all materials' emission.
     reflectance: vec4f,
     emission: vec3f,
     // The first triangle in the batch's numbering.

@@ -2,8 +2,8 @@
 //!
 //! The list is changed in place. The faces of static surface are at the front of the list and stay
 //! there; after them come the faces of the voxels that dynamic surface touches, including the
-//! static faces of those voxels. A new list is built beside the old one and committed only if it
-//! fits, which the GPU decides by itself (`needs.wgsl`).
+//! static faces of those voxels. Bits and ranks are built beside the list's and committed only if
+//! everything fits, which the GPU decides (`needs.wgsl`).
 
 use bytemuck::{Pod, Zeroable};
 
@@ -204,7 +204,7 @@ impl Union {
         (&self.merged.ranks, level_first_word(grid, grid.levels) * 4, 4)
     }
 
-    /// Binds the shares' voxels and allocates as many united ones.
+    /// Binds the shares' voxels, and allocates united ones for those that dynamic surface touches.
     pub fn bind_voxels(
         &mut self,
         work: &mut Work<'_, '_>,
@@ -235,7 +235,7 @@ impl Union {
         Ok(())
     }
 
-    /// Finds the lobes of the voxels that dynamic surface touches.
+    /// Computes the lobes of the voxels that dynamic surface touches.
     pub fn unite(&self, work: &mut Work<'_, '_>) {
         let Some(united) = &self.united else { return };
         let groups = [work.globals, &united.group];
@@ -363,7 +363,7 @@ impl Union {
         Ok(())
     }
 
-    /// Decides whether everything fits; later passes do nothing otherwise.
+    /// Decides whether everything fits; if not, later passes do nothing.
     pub fn check_fit(&self, work: &mut Work<'_, '_>) {
         let Some(bound) = &self.bound else { return };
         let groups = [work.globals, &bound.needs];

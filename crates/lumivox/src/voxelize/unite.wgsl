@@ -8,7 +8,7 @@ import package::voxels::list::{MOST_FACES, Node, faces_in, faces_of, with_faces}
 import package::voxels::lookup::bits_below;
 
 struct UnitedVoxel {
-    // As in Node: of both shares, and of each one.
+    // Lobes, as in Node: of both shares together, and of each one.
     lobes: u32,
     fixed_lobes: u32,
     moving_lobes: u32,
@@ -31,13 +31,13 @@ fn united_lobes(fixed: u32, moving: u32) -> u32 {
 // voxels.
 @group(1) @binding(0) var<storage, read> fixed_cells: array<vec2u>;
 @group(1) @binding(1) var<storage, read> fixed_voxels: array<VoxelFaces>;
-// The dynamic share, by rank; the last one of `moving_ranks` is the number of its voxels.
+// The dynamic share, by rank; the last value of `moving_ranks` is the number of its voxels.
 @group(1) @binding(2) var<storage, read> moving_ranks: array<u32>;
 @group(1) @binding(3) var<storage, read> moving_nodes: array<Node>;
 @group(1) @binding(4) var<storage, read> moving_voxels: array<VoxelFaces>;
 @group(1) @binding(5) var<storage, read_write> united: array<UnitedVoxel>;
-// One more than there are voxels. The number of faces of each; a prefix sum turns it into the index
-// of the first one.
+// Number of faces of each voxel, and a last element. A prefix sum turns it into indices of first
+// faces and the total.
 @group(1) @binding(6) var<storage, read_write> united_faces: array<u32>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)

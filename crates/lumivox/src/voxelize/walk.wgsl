@@ -18,21 +18,21 @@ import package::voxelize::triangles::{Triangle, draws, load_triangle};
 // its factors, is off by less than 8 * 2^-24 m.
 const ROUNDING = 1.0 / 2097152.0;
 
-// Farther than any voxel, but `f32` still represents every integer up to it.
+// Farther than any voxel, but small enough that `f32` represents every integer up to it.
 const BEYOND_VOXELS = 8388608.0;
 
 // An interval test (Akenine-Möller 2001, "Fast 3D triangle-box overlap testing", section 2) along
 // the normal m of a triangle's edge in a projection: a unit square with its centre at p does not
-// overlap the triangle if
-// m . p + offset| > reach. It needs no orientation, which rounding may flip for a sliver.
+// overlap the triangle if abs(m . p + offset) > reach. It needs no orientation, which rounding may
+// flip for a sliver.
 struct EdgeTest {
     m: vec2f,
     offset: f32,
     reach: f32,
 }
 
-// The edge goes from `start` to `end`, `other` is the third corner; all coordinates are at most
-// `extent`.
+// The test of the edge from `start` to `end`; `other` is the third corner, and no coordinate
+// exceeds `extent`.
 fn edge_test(start: vec2f, end: vec2f, other: vec2f, extent: f32) -> EdgeTest {
     let m = vec2f(end.y - start.y, start.x - end.x);
     let width = dot(m, other - start);
@@ -56,13 +56,14 @@ struct Walk {
     cascade: u32,
     vertices: vec3u,
     draw: u32,
-    // Bound of the coordinates' size, for rounding errors.
+    // Bound of the coordinates, for rounding errors.
     extent: f32,
     // The edges, seen along w.
     ab: EdgeTest,
     bc: EdgeTest,
     ca: EdgeTest,
-    // How the plane's depth changes along u and v, and by how much a column's range is widened.
+    // Slope of the plane's depth along u and v, and the distance by which a column's range is
+    // widened.
     slope: vec2f,
     widening: f32,
     // Depth range of the triangle, and depth limits of the cascade.
@@ -135,7 +136,7 @@ fn walk_begin(item: Item) -> Walk {
     walk.slope = -walk.normal.xy / walk.normal.z;
     let middle = vec2f(corner) + 0.5 * f32(TILE_EDGE);
     let depth = a.z + dot(walk.slope, middle - a.xy);
-    // With cascades, independent of the position of the box.
+    // With cascades, this does not depend on the position of the box.
     let held = vec2f(vec2i(area.first.z, area.last.z));
     let range = select(held, BEYOND_VOXELS * vec2f(-1.0, 1.0), CASCADES > 0u);
     walk.base = vec3i(corner, i32(clamp(depth, range.x, range.y)));
@@ -151,10 +152,9 @@ fn walk_begin(item: Item) -> Walk {
     walk.bc = edge_test(walk.b.xy, walk.c.xy, walk.a.xy, walk.extent);
     walk.ca = edge_test(walk.c.xy, walk.a.xy, walk.b.xy, walk.extent);
 
-    // A component of the normal is off by up to 4 * 2^-24 of the product of two edges, so the slope
-    // is off by that over normal.z (twice, since it is a quotient of at most 1): no more than
-    // rounding for a compact triangle, a lot for a sliver, whose plane is uncertain. For a sliver
-    // only the edge tests decide.
+    // A component of the normal is off by up to 4 * 2^-24 of the product of two edges, and the
+    // slope, a quotient of at most 1, by twice that over normal.z. That is rounding for a compact
+    // triangle, but large for a sliver, for which only the edge tests decide.
     let size = high - low;
     let edges = max(size.x, max(size.y, size.z));
     walk.widening = ROUNDING * walk.extent * (1.0 + edges * edges / abs(walk.normal.z))
@@ -166,8 +166,8 @@ fn walk_begin(item: Item) -> Walk {
 
 // Moves to the next voxel that the triangle may touch; returns false if there is none left.
 //
-// The loops here and around this test at their end: a software GPU runs eight threads in lockstep,
-// and would run a body once more for a test at its start that none of them passes.
+// Loops here and around calls of this function test at their end: a software GPU runs eight threads
+// in lockstep, and after a failed test at the start it would run the body once more.
 fn walk_on(walk: ptr<function, Walk>) -> bool {
     (*walk).voxel.z += 1;
     if (*walk).voxel.z <= (*walk).last_depth {

@@ -1,4 +1,4 @@
-//! Lights bound for the shaders, and updated without rebinding.
+//! Lights bound for the shaders; updates need no rebinding.
 
 use std::borrow::Cow;
 use std::f32::consts::PI;
@@ -18,8 +18,8 @@ use crate::gpu::{
 use crate::mounted::{Mounted, Resource};
 use crate::version;
 
-/// The source of the shadows of lights with [`Shadow::Map`]. `None` and `Some(&maps)` convert into
-/// it.
+/// The source of the shadows of lights with [`Shadow::Map`]. Converts from `None` and
+/// `Some(&maps)`.
 ///
 /// ```
 /// # pollster::block_on(async {
@@ -101,7 +101,7 @@ pub struct Lights {
     pub count: u32,
     /// A number that is unique to these lights and changes whenever they do.
     pub(crate) version: u64,
-    /// `true` if any of them has cone shadows, or may have them where a caller's own maps do not
+    /// `true` if any light has cone shadows, or may have them where a caller's own maps do not
     /// reach.
     pub(crate) has_cone_shadows: bool,
     /// The lights that have shadow maps.
@@ -128,8 +128,8 @@ pub struct MappedLight {
     pub source: LightSource,
     /// Its first layer among all of the maps.
     pub first_layer: u32,
-    /// Its layers: the six faces of a point light, or one layer and the finer ones within it for
-    /// other lights.
+    /// Its layers: the six faces of a point light; of other lights one layer, and the finer ones
+    /// within it.
     pub layers: Vec<ShadowLayer>,
 }
 
@@ -207,12 +207,12 @@ impl Lights {
         bound
     }
 
-    /// Replaces lights, environment and shadow layers for everything submitted from the next
-    /// submission on. Light in the voxels does not change before the next [`crate::Gi::light`].
+    /// Replaces lights, environment and shadow layers from the next submission on. Light in the
+    /// voxels does not change before the next [`crate::Gi::light`].
     ///
-    /// The parameters are those of [`crate::Gi::bind_lights`]; if nothing has changed, nothing is
-    /// done. Buffers and the bind group are kept, unless there are more lights or layers than ever
-    /// before, or other textures.
+    /// The parameters are those of [`crate::Gi::bind_lights`]; does nothing if they have not
+    /// changed. Buffers and the bind group are kept, unless there are more lights or layers than
+    /// ever before, or other textures.
     pub fn update<'a>(
         &mut self,
         queue: &wgpu::Queue,
@@ -246,8 +246,8 @@ impl Lights {
         self.describe(lights, shadows);
     }
 
-    /// Call when light has changed behind bindings that have not, such as in the caller's shadow
-    /// maps or in an [`EnvironmentCube`](crate::EnvironmentCube): voxels are then lit again.
+    /// Lights the voxels again. Call it when the contents of bound resources have changed, such as
+    /// the caller's shadow maps or an [`EnvironmentCube`](crate::EnvironmentCube).
     pub fn invalidate(&mut self) {
         self.version = version::next();
     }
@@ -272,8 +272,8 @@ impl Lights {
     }
 }
 
-/// The lights, followed by the brightest parts of the environment's map with cone shadows, unless
-/// lights of the map are among them.
+/// The lights; unless some of them are from the environment's map, the map's brightest parts
+/// follow, with cone shadows.
 fn with_suns<'a>(lights: &'a [Light], environment: EnvironmentLight<'_>) -> Cow<'a, [Light]> {
     let is_sun = |light: &Light| matches!(light.source, LightSource::Environment { .. });
     let Some(map) = environment.map.filter(|_| !lights.iter().any(is_sun)) else {
@@ -283,8 +283,7 @@ fn with_suns<'a>(lights: &'a [Light], environment: EnvironmentLight<'_>) -> Cow<
     lights.iter().copied().chain(suns).collect()
 }
 
-/// Writes records into a buffer, or creates a larger one if they do not fit; returns `true` if it
-/// did.
+/// Writes records into a buffer. If they do not fit, creates a larger one and returns `true`.
 fn write_or_grow<T: Pod>(
     (device, queue): (&wgpu::Device, &wgpu::Queue),
     buffer: &mut Buffer,
@@ -399,7 +398,7 @@ impl Records {
             ShadowSource::Maps(maps) => maps.layers.as_slice(),
             ShadowSource::None | ShadowSource::Own(_) => &[],
         };
-        // The layers of the caller's own module are not known here.
+        // The number of layers of the caller's own module is unknown.
         let layer_count =
             if matches!(shadows, ShadowSource::Own(_)) { u32::MAX } else { layers.len() as u32 };
         let lights: Vec<LightRecord> =
@@ -426,7 +425,7 @@ impl Records {
     }
 }
 
-/// The light, with cone shadows instead if it names layers that do not exist.
+/// The light; with cone shadows instead if its shadow layers do not exist.
 fn with_layers(light: &Light, layer_count: u32) -> Light {
     let needed = light.source.shadow_layers() as u32;
     let shadow = match light.shadow {
@@ -442,7 +441,7 @@ fn with_layers(light: &Light, layer_count: u32) -> Light {
     Light { shadow, ..*light }
 }
 
-/// The lights with layers of the maps, whose indices were checked when the records were created.
+/// The lights with shadow maps. Their layers were checked when the records were created.
 fn mapped(lights: &[Light], records: &[LightRecord], maps: &ShadowMaps) -> Vec<MappedLight> {
     let with_records = lights.iter().zip(records).enumerate();
     with_records
@@ -463,7 +462,7 @@ fn mapped(lights: &[Light], records: &[LightRecord], maps: &ShadowMaps) -> Vec<M
 
 /// The alpha below which a lobe shows the shape of the widest environment light: the microfacets'
 /// normals turn by half the angle of the reflection. 0 without such lights. Peaks whose radiance
-/// exceeds a half float have no say: the map and the reflections would clamp it.
+/// exceeds a half float are ignored: the map and the reflections would clamp it.
 fn mirror_alpha(records: &[LightRecord]) -> f32 {
     let fits = |light: &&LightRecord| {
         let brightest = light.intensity.into_iter().fold(0.0, f32::max);

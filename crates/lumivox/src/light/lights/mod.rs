@@ -1,5 +1,4 @@
-//! Lights and the environment: as the caller gives them, in radiometric (or photometric) units, and
-//! on the GPU.
+//! Lights and the environment: the caller's, in radiometric (or photometric) units, and the GPU's.
 //!
 //! The whole library uses one unit of radiance: if lights are in lux and candela, radiance is in
 //! cd/m². The volumes store half floats (6e-5 to 65504; brighter values are clamped), so give very
@@ -41,7 +40,7 @@ pub enum LightSource {
     },
     /// Parallel light from a bright part of an environment map. The map still contains that part:
     /// mirrors reflect the map, not this light's highlight. [`crate::EnvironmentMap::lights`]
-    /// creates them.
+    /// creates such lights.
     Environment {
         /// The direction in which the light travels; unit length.
         direction: Vec3,
@@ -56,7 +55,7 @@ pub enum LightSource {
         position: Vec3,
         /// Radiant intensity (flux per solid angle), RGB.
         intensity: Vec3,
-        /// Radius of the source, m; for soft shadows, and the distance below which the light stops
+        /// Radius of the source, m; for soft shadows, and the distance below which irradiance stops
         /// growing. 0: a point.
         radius_m: f32,
         /// Distance at which the light ends, m; `None`: never, as in nature.
@@ -149,8 +148,8 @@ pub enum Shadow {
         /// The light's first layer.
         first_layer: u32,
     },
-    /// A cone through the voxels, as wide as the source: soft, limited to the resolution of the
-    /// voxels, and without a map.
+    /// A cone through the voxels, as wide as the source: soft, at the resolution of the voxels,
+    /// without a map.
     #[default]
     Cone,
 }
@@ -231,8 +230,8 @@ pub(crate) struct ShadowLayerRecord {
 
 impl Light {
     /// Uploads lights in the shaders' format, an array of `Light` of `package::light::lights`, for
-    /// a caller's own passes. Without lights the buffer holds a dark one, since no binding may be
-    /// empty.
+    /// a caller's own passes. Without lights the buffer contains a dark one, since bindings may not
+    /// be empty.
     pub fn buffer(device: &wgpu::Device, lights: &[Self]) -> Buffer {
         let records: Vec<LightRecord> = lights.iter().map(|light| light.to_gpu()).collect();
         upload(device, "lights", &padded(&records))
@@ -295,7 +294,7 @@ impl Light {
     }
 }
 
-/// The records, or a single zero one if there are none: WebGPU has no empty bindings.
+/// The records, or one zeroed record if there are none: WebGPU does not allow empty bindings.
 fn padded<T: Pod>(records: &[T]) -> Vec<T> {
     if records.is_empty() { vec![T::zeroed()] } else { records.to_vec() }
 }

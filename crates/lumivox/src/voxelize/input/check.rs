@@ -78,7 +78,7 @@ pub(super) fn check_buffers(
         .map_err(|problem| GiError::Geometry { place: format!("batch {index}"), problem })
 }
 
-/// Refuses a byte offset that is unaligned or beyond its buffer.
+/// Rejects a byte offset that is unaligned or beyond its buffer.
 fn check_offset(name: &str, offset: u64, size: u64, buffer: &wgpu::Buffer) -> Result<(), String> {
     if !offset.is_multiple_of(size) {
         return Err(format!(
@@ -115,7 +115,7 @@ fn check_indices(indices: &Indices) -> Result<(), String> {
     check_offset("indices", indices.offset, index_bytes(indices), &indices.buffer)
 }
 
-/// Checks the layout of a batch's attributes: whole words, within a vertex.
+/// Checks that a batch's attributes are aligned to words and lie within a vertex.
 fn check_attributes(attributes: &VertexAttributes) -> Result<(), String> {
     let VertexAttributes { buffer, stride, offset, texcoords, color, color_format } = attributes;
     let color_bytes = match color_format {

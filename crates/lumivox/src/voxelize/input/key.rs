@@ -8,13 +8,13 @@ use super::emission_scale;
 use crate::geometry::{Draw, GeometryBatch};
 use crate::{Geometry, Grid, SurfaceMaterial};
 
-/// Everything that the static share was made of, except the contents of buffers: equal keys give
-/// equal shares if those contents have not changed. It stores the caller's input rather than values
-/// computed from it, so that unchanged input only has to be compared.
+/// All input of the static share except the contents of buffers: equal keys give equal shares if
+/// these contents have not changed. It stores the caller's input rather than values computed from
+/// it, so that unchanged input only has to be compared.
 #[derive(Clone, Debug)]
 pub(crate) struct ShareKey {
     grid: Grid,
-    /// With only the static draws that have triangles.
+    /// The batches, with only the static draws that have triangles.
     batches: Vec<GeometryBatch>,
     /// The materials of these draws, with their numbers.
     materials: Vec<(u32, SurfaceMaterial)>,
@@ -54,7 +54,7 @@ impl ShareKey {
     pub(crate) fn new(geometry: &Geometry, grid: &Grid) -> Self {
         let key = |batch: &GeometryBatch| {
             let draws = static_draws(batch).copied().collect();
-            // Does not copy all draws, which may be many.
+            // Cloning the batch would copy all draws, which may be many.
             let (positions, indices) = (batch.positions.clone(), batch.indices.clone());
             GeometryBatch { positions, attributes: batch.attributes.clone(), indices, draws }
         };
@@ -73,15 +73,15 @@ impl ShareKey {
         }
     }
 
-    /// Whether surface that was made of other draws can be shown until that of these draws is
-    /// ready: it must have the same grid and scale of emission.
+    /// Whether surface with this key can be shown until the surface of `geometry` is ready: both
+    /// must have the same grid and scale of emission.
     pub(crate) fn suits(&self, geometry: &Geometry, grid: &Grid) -> bool {
         self.grid == *grid && self.emission_scale.to_bits() == emission_scale(geometry).to_bits()
     }
 
     /// Boxes in the world, m, around the static draws that were added or removed since: surface
-    /// outside of them has not changed. `None` if everything has to be voxelized again: because of
-    /// other materials, another scale of emission, or draws without bounds.
+    /// outside of them has not changed. `None` if everything has to be voxelized again, because
+    /// materials or the scale of emission have changed, or draws have no bounds.
     pub(crate) fn changes(&self, geometry: &Geometry) -> Option<Vec<[Vec3; 2]>> {
         let is_known = |(number, material): &(u32, SurfaceMaterial)| {
             geometry.materials.get(*number as usize) == Some(material)
@@ -104,7 +104,7 @@ impl ShareKey {
         changed.iter().map(Draw::bounds_in_world).collect()
     }
 
-    /// `true` if it is the key of these static draws.
+    /// `true` if it is the key of the static draws of `geometry`.
     pub(crate) fn is_of(&self, geometry: &Geometry, grid: &Grid) -> bool {
         let mut known = self.batches.iter();
         let is_same_batch = |batch: &GeometryBatch| {

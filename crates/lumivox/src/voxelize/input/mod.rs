@@ -55,7 +55,7 @@ pub(crate) struct DrawRecord {
 
 /// Bits of [`DrawRecord::flags`].
 pub(crate) const DOUBLE_SIDED: u32 = 1;
-/// Alpha is coverage.
+/// The material's alpha is coverage.
 pub(crate) const ALPHA_IS_COVERAGE: u32 = 2;
 /// The vertices have colours.
 pub(crate) const HAS_COLORS: u32 = 4;
@@ -65,7 +65,7 @@ pub(crate) const HAS_SHORT_INDICES: u32 = 8;
 pub(crate) const HAS_FLOAT_COLORS: u32 = 16;
 pub(crate) const HAS_BYTE_COLORS: u32 = 32;
 
-/// Light passes a single-sided surface from behind.
+/// Light from behind passes through a single-sided surface.
 pub(crate) const OPEN_BEHIND: u32 = 64;
 
 /// Neighbouring draws that share their textures.
@@ -97,14 +97,14 @@ pub(crate) struct PreparedBatch {
 pub(crate) struct ShareInput<'a> {
     /// Batches with triangles in this share.
     pub batches: Vec<(&'a GeometryBatch, PreparedBatch)>,
-    /// Triangles of static draws that are outside of everything that is walked.
+    /// Triangles of static draws outside of the walked boxes.
     pub left_out: u64,
 }
 
 impl<'a> ShareInput<'a> {
-    /// The share of either the static or the dynamic draws. Static draws that are outside of
-    /// everything that is walked are left out; dynamic ones are kept, so that nothing is rebound
-    /// when they enter or leave it.
+    /// The share of either the static or the dynamic draws. Static draws outside of the walked
+    /// boxes are left out; dynamic ones are kept, so that nothing is rebound when they enter or
+    /// leave.
     ///
     /// # Errors
     /// [`GiError::Geometry`] and [`GiError::Limit`] as [`super::Voxelizer::voxelize`] says.
@@ -117,7 +117,7 @@ impl<'a> ShareInput<'a> {
         Self::of_draws(geometry, |draw| draw.is_static == is_static, (grid, walked), limits)
     }
 
-    /// The share of all emissive draws, static or dynamic.
+    /// The emissive draws, both static and dynamic.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -150,7 +150,7 @@ impl<'a> ShareInput<'a> {
         self.batches.is_empty()
     }
 
-    /// The draws of each batch, as the GPU reads them.
+    /// The draws of each batch, in the GPU's format.
     pub(crate) fn draws(&self) -> impl Iterator<Item = &[DrawRecord]> {
         self.batches.iter().map(|(_, prepared)| prepared.draws.as_slice())
     }
@@ -168,13 +168,13 @@ impl<'a> ShareInput<'a> {
 }
 
 /// The scale of stored emission: the smallest power of two that no material's emission exceeds. A
-/// flickering lamp rarely changes it, so voxels of static draws stay valid.
+/// flickering lamp rarely changes this power, so voxels of static draws stay valid.
 pub(crate) fn emission_scale(geometry: &Geometry) -> f32 {
     let emissions = geometry.materials.iter().map(|material| material.emission.max_element());
     emissions.fold(0.0, f32::max).log2().ceil().exp2()
 }
 
-/// Whether a surface emits light.
+/// `true` if a material emits light.
 pub(crate) fn emits(material: &SurfaceMaterial) -> bool {
     material.emission.max_element() > 0.0
 }
@@ -206,7 +206,7 @@ fn prepare_batch(
         stays
     });
     let triangles: u64 = order.iter().map(|(draw, _)| u64::from(draw.index_count / 3)).sum();
-    // The items' starts need one word per triangle, and one more.
+    // The items' starts are one word per triangle, plus one.
     let available = limits.max_storage_buffer_binding_size / 4 - 1;
     if triangles > available {
         return Err(GiError::Limit {
@@ -309,7 +309,7 @@ fn detail(material: &SurfaceMaterial, batch: &GeometryBatch) -> Detail {
     }
 }
 
-/// For each material, the number of the group that shares its textures and detail.
+/// For each material, the number of its group, which shares textures and detail.
 fn texture_groups(materials: &[SurfaceMaterial], batch: &GeometryBatch) -> Vec<usize> {
     let is_same = |a: &SurfaceMaterial, b: &SurfaceMaterial| {
         let same_textures = textures(a).into_iter().zip(textures(b)).all(|(a, b)| match (a, b) {

@@ -1,4 +1,4 @@
-// Shadow maps of an engine's own: one texture, 0 near and 1 far, a parallel light, no bias.
+// An engine's own shadow map: one texture, 0 near and 1 far, a parallel light, no bias.
 
 import package::light::lights::Light;
 

@@ -66,7 +66,7 @@ fn updated_lights_equal_freshly_bound_ones() {
         let version = updated.version;
         updated.update(&lab.queue, lights, *environment, None);
         assert_eq!(version == updated.version, number == 0, "set {number}");
-        // Room for five is made for eight.
+        // A buffer for five has capacity for eight.
         assert_eq!(before == *updated.group, number != 2, "set {number}");
         let fresh = lab.gi.bind_lights(lights, *environment, None);
         assert!(lab.faces(&updated) == lab.faces(&fresh), "set {number}");
@@ -74,12 +74,12 @@ fn updated_lights_equal_freshly_bound_ones() {
     }
 }
 
-/// Parallel light from above, by a map whose left half is in shadow, in Lumivox's layout and in
+/// Parallel light from above, with a map whose left half is in shadow, in Lumivox's layout and in
 /// another.
 #[test]
 fn shadow_maps_of_another_layout_give_the_same_bits() {
     let size = UVec2::splat(16);
-    // Left and right over the room's width; what is above it is nearer.
+    // x spans the room's width; higher places are nearer.
     let clip_from_world = Mat4::from_cols_array_2d(&[
         [2.0, 0.0, 0.0, 0.0],
         [0.0, 0.0, 0.5, 0.0],
@@ -134,15 +134,14 @@ fn shadow_maps_of_another_layout_give_the_same_bits() {
     let own: [Resource; 3] = [wgpu::Buffer::clone(&matrix).into(), depth.into(), sampler.into()];
     let mut lights = lab.gi.bind_lights(&mapped, Vec3::ZERO, ShadowSource::Own(&own));
     assert!(lab.faces(&lights) == expected, "the other layout");
-    // Moving the light leaves them bound.
+    // Moving the light does not rebind them.
     let before = wgpu::BindGroup::clone(&lights.group);
     lights.update(&lab.queue, &mapped, Vec3::ZERO, ShadowSource::Own(&own));
     assert!(before == *lights.group);
     assert!(lab.faces(&lights) == expected, "after an update");
 }
 
-/// The caller's own maps, which cover one half of the room: the other half has the shadows of
-/// cones.
+/// The caller's own maps cover one half of the room; the other half has cone shadows.
 #[test]
 fn cone_shadows_fill_in_beyond_shadow_maps() {
     let module = "
@@ -167,8 +166,8 @@ fn cone_shadows_fill_in_beyond_shadow_maps() {
         lab.faces(&lights)
     };
     let mapped = Shadow::Map { first_layer: 0 };
-    // First a map nowhere, on new voxels: without the volume's opacities a cone would see nothing.
-    // Then a map everywhere.
+    // First a map that covers nothing, on new voxels: without the volume's opacities a cone would
+    // see nothing. Then a map that covers everything.
     let nowhere = lit(mapped, -1.0);
     assert!(nowhere == lit(Shadow::Cone, 0.0));
     let everywhere = lit(mapped, 2.0);
