@@ -10,7 +10,7 @@ import package::voxels::index::{first_entry, FACE_BITS};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_encode;
 
-// Minimum distance of both points from a surface that separates them, in voxels.
+// Surfaces nearer than this to one of two points do not separate them, in voxels.
 const LEAST_DISTANCE = 0.002;
 
 fn patch_of(face: u32) -> Patch {
@@ -35,8 +35,8 @@ fn entry_at(voxel: vec3i, cascade: u32) -> u32 {
     return index[first_entry() + index[2u * (code / 32u) + 1u] + bits_below(bits, code % 32u)];
 }
 
-// The first face of a voxel, other than `but`, that lies between two points in the voxel's
-// coordinates, or NOTHING.
+// The first face of a voxel, except `but`, that lies between two points in the voxel's coordinates;
+// or NOTHING.
 fn face_between(entry: u32, but: u32, start: vec3f, end: vec3f) -> u32 {
     let first = entry & ((1u << FACE_BITS) - 1u);
     for (var other = first; other < first + (entry >> FACE_BITS); other++) {
@@ -56,14 +56,14 @@ fn face_between(entry: u32, but: u32, start: vec3f, end: vec3f) -> u32 {
     return NOTHING;
 }
 
-// How much faces of one surface may differ: minimum cosine between their normals, and maximum
-// height of one over the other, in voxels.
+// Limits of faces of one surface: minimum cosine between their normals, and maximum height of one
+// over the other, in voxels.
 struct Likeness {
     least_cosine: f32,
     most_height: f32,
 }
 
-// The face of a voxel that is nearest to a point of a surface, or NOTHING.
+// The face of a voxel that is nearest to a point of a surface; or NOTHING.
 fn face_like(entry: u32, lobe: u32, normal: vec3f, point: vec3f, likeness: Likeness) -> u32 {
     var found = NOTHING;
     var least = likeness.most_height;
@@ -81,9 +81,9 @@ fn face_like(entry: u32, lobe: u32, normal: vec3f, point: vec3f, likeness: Liken
     return found;
 }
 
-// Whether another surface lies between two points of a surface, in voxels of a cascade. It is
-// tested ABOVE the surface, where rays start, for anything that stands on it, in the voxels of both
-// points and of the middle.
+// Whether another surface lies between two points of a surface, in voxels of a cascade. The test is
+// done ABOVE the surface, where rays start, to find objects on it, in the voxels of both points and
+// of the middle.
 fn is_parted(start: vec3f, end: vec3f, normal: vec3f, cascade: u32) -> bool {
     let first = start + ABOVE * normal;
     let last = end + ABOVE * normal;
@@ -105,11 +105,11 @@ struct Spot {
     start: vec3f,
 }
 
-// Limits for faces that share light from far away: a curved surface may turn and rise this much
-// from voxel to voxel.
+// Limits of faces that share far light: a curved surface may turn and rise this much from voxel to
+// voxel.
 const SHARED = Likeness(0.9, 0.4);
 
-// The face of a surface at a point on it.
+// The face of a surface at a point of the surface.
 fn spot_at(point: vec3f, lobe: u32, normal: vec3f, cascade: u32) -> Spot {
     let voxel = vec3i(floor(point));
     let corner = vec3f(voxel);

@@ -1,5 +1,5 @@
 // Cells outside the grid are zero. Textures clamp to their edge instead, so a look-up near the
-// border is weighted by the share of its trilinear filter that falls on cells of the grid.
+// border is weighted by the share of its trilinear filter inside the grid.
 
 import package::cascades::{box_size, lowest_voxel};
 

@@ -2,8 +2,8 @@
 
 use crate::{GiError, Grid};
 
-/// Returns an error if a number of bytes exceeds the budget. The bytes grow with this power
-/// (`growth`) of the resolution.
+/// Returns an error if a number of bytes exceeds the budget. The bytes are proportional to the
+/// resolution to the power `growth`.
 pub(super) fn check(
     what: &str,
     needed: u64,

@@ -1,4 +1,4 @@
-// Two cells behind each other along an axis, seen from both sides: the rule for filtering pyramids.
+// Combines two adjacent cells along an axis, seen from both sides: the rule for filtering pyramids.
 //
 // Along a lobe's axis the farther cell adds to the nearer one up to full coverage. The sum
 // saturates instead of multiplying transmittances, because coverage comes from clipping: the pieces

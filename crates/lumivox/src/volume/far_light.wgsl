@@ -1,22 +1,22 @@
-// Light from far away that a surface gathers: one word for each of FAR_CELLS cells of the
-// hemisphere over it (cones/hemisphere.wgsl) with the mean radiance of surfaces farther away than
-// NEAR, and the open share of the cell.
+// Far light of a surface: one word for each of FAR_CELLS cells of its hemisphere
+// (cones/hemisphere.wgsl), with the mean radiance of surfaces farther away than NEAR, and the open
+// share of the cell.
 
-// Pixels find surfaces up to this distance, in voxels, by their own rays.
+// Pixels' own rays find surfaces up to this distance, in voxels.
 const NEAR = 6.0;
 
-// Nothing is known of a cell: all its surfaces are near, or nothing was gathered. The exponent of
-// stored light is never zero.
+// The word of a cell without far light: all its surfaces are near, or nothing was gathered. Other
+// words are never zero, since their exponent is not.
 const NO_FAR_LIGHT = 0u;
 
-// Radiance has 8 bits a channel and a common exponent, openness 3 bits.
+// Stored with 8 bits per channel of radiance, a common exponent, and 3 bits of openness.
 struct FarLight {
     radiance: vec3f,
     openness: f32,
 }
 
-// The far light of a surface from one direction: the mean of the direction's cell; zero if none of
-// the faces around has any.
+// The far light of a surface from one direction: the mean of the direction's cell over the faces
+// around; zero if none of them has far light.
 struct Known {
     radiance: vec3f,
     openness: f32,

@@ -1,4 +1,4 @@
-// A volume with one value per cell, as the tracer sees it: the module package::volume of the cheap
+// The tracer's view of a volume with one value per cell: the module package::volume of the cheap
 // mode. package::volume::cells defines where its cells are stored.
 //
 // A surface looks the same from both sides, and lights and shadows itself. The first voxel cone
@@ -32,7 +32,7 @@ fn is_oblique(probe: Probe) -> bool {
     return false;
 }
 
-// Radiance around a probe times opacity, and the opacity; the direction is ignored.
+// Radiance around a probe times opacity, and opacity; the direction is ignored.
 fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
     return inside_share(probe.place) * fetch(probe.place, 0u);
 }

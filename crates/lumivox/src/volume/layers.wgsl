@@ -1,4 +1,4 @@
-// The faces of a lobe in a voxel, combined to the content of the finest cells.
+// Combines the faces of a lobe in a voxel to the content of a finest cell.
 //
 // Layers lie behind each other. As in a column of cells (column.wgsl), a layer adds to those in
 // front of it up to full coverage.

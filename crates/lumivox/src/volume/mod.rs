@@ -1,6 +1,6 @@
-//! The scene as cones see it. Their rays hit the faces of the voxel list (`surface.rs`). In
-//! addition, the radiance of the faces is stored in cells and filtered into a pyramid, for views,
-//! and for cones of a caller's own model, which march through it.
+//! The scene for cones, whose rays hit the faces of the voxel list (`surface.rs`). The radiance of
+//! the faces may also be stored in cells and filtered into a pyramid, for views, and for a caller's
+//! own cone model, whose cones march through it.
 //!
 //! All kinds of cells are filled from the same [`VoxelList`](crate::voxels::VoxelList) and have one
 //! interface: in Rust the methods of [`Volume`] that match on [`CellVolume`], in shaders the module
@@ -34,7 +34,7 @@ use surface::Surface;
 /// Format of the textures that store cells.
 const CELL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// The most parts of a cell (`parts.wgsl`): of six lobes.
+/// Maximum number of parts of a cell (`parts.wgsl`): those of six lobes.
 const CELL_PARTS: u32 = 9;
 
 /// How cells are stored.
@@ -56,15 +56,14 @@ impl Default for VolumeKind {
     }
 }
 
-/// How a voxel looks from different sides.
+/// How the light of a voxel depends on the direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Directionality {
-    /// Six lobes with vector areas: each side of a wall has its own light, and covers its own share
-    /// of the view.
+    /// Six lobes with vector areas: each side of a wall has its own light and coverage.
     #[default]
     SixLobes,
-    /// One value per voxel, the same from all directions: a ninth of the memory, and surfaces that
-    /// light and shadow themselves.
+    /// One value per voxel, the same from all directions: a ninth of the memory, but surfaces light
+    /// and shadow themselves.
     Isotropic,
 }
 
@@ -115,7 +114,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("MASK_LEVELS", dense::MASK_LEVELS as u32);
 }
 
-/// Mounts a kind of volume as `package::volume` and `package::volume::cells`.
+/// Adds a kind of volume as `package::volume` and `package::volume::cells`.
 pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionality: Directionality) {
     let volume = match directionality {
         Directionality::SixLobes => "volume::six_lobes",
@@ -150,7 +149,7 @@ fn globals_layout(device: &Pipelines) -> wgpu::BindGroupLayout {
         .build(device, "globals")
 }
 
-/// Levels are not blended: the tracer chooses one at random for each sample.
+/// A sampler that does not blend levels: the tracer chooses one at random for each sample.
 fn sampler(device: &wgpu::Device) -> wgpu::Sampler {
     device.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("volume"),
@@ -160,8 +159,7 @@ fn sampler(device: &wgpu::Device) -> wgpu::Sampler {
     })
 }
 
-/// The scene on the GPU as cones see it: all surfaces, unless cones march through cells; and cells,
-/// if something shows them.
+/// The scene on the GPU for cones: all surfaces, unless cones march; and cells, if needed.
 #[derive(Debug)]
 pub(crate) struct Volume {
     pub(crate) cells: Option<CellVolume>,
@@ -178,10 +176,10 @@ pub(crate) enum CellVolume {
 }
 
 impl Volume {
-    /// Creates an empty volume over a grid, and mounts its shaders. Cells that need more than
-    /// `budget` bytes are an error: dense ones at once, an octree once there are voxels. The
-    /// caller's builder, or ranks by default, build an octree's nodes. Unless cones march, the
-    /// volume also contains all surfaces.
+    /// Creates an empty volume over a grid, and mounts its shaders. Returns an error if dense cells
+    /// exceed `budget` bytes; an octree is checked once there are voxels. Its nodes are built by
+    /// the caller's builder, or by ranks. Unless cones march, the volume also contains all
+    /// surfaces.
     pub(crate) fn new(
         device: &Pipelines,
         shaders: &mut ShaderLibrary,
@@ -221,7 +219,7 @@ impl Volume {
         }
     }
 
-    /// Uses the moved boxes of a clipmap for everything recorded from here on.
+    /// Uses the moved boxes of a clipmap for later commands.
     pub(crate) fn move_to(&mut self, device: &Pipelines, grid: &Grid, emitters: &Buffer) {
         if let Some(surface) = &mut self.surface {
             surface.move_to(device, grid, emitters);
@@ -232,7 +230,7 @@ impl Volume {
         }
     }
 
-    /// The octree, if that is how cells are stored: the only volume whose buffers can overflow.
+    /// The octree, the only volume whose buffers can overflow; `None` for other volumes.
     pub(crate) fn octree(&self) -> Option<&OctreeVolume> {
         match &self.cells {
             Some(CellVolume::Octree(octree)) => Some(octree),
@@ -272,15 +270,15 @@ impl Volume {
         }
     }
 
-    /// Whether [`Self::show`] needs a list of the cells with changed surface; an octree lists its
+    /// `true` if [`Self::show`] needs a list of the cells with changed surface; an octree lists its
     /// own nodes.
     pub(crate) fn clears_cells(&self) -> bool {
         matches!(self.cells, Some(CellVolume::Dense(_)))
     }
 
-    /// Shows a list: discards cells with changed surface, of which `wrong` is a list if
-    /// [`Self::clears_cells`]. The radiance is stored by [`Self::update`]. An octree that overflows
-    /// keeps showing the earlier list.
+    /// Shows a list: discards cells with changed surface, which `wrong` lists if
+    /// [`Self::clears_cells`]. [`Self::update`] stores the radiance. An octree that overflows keeps
+    /// showing the earlier list.
     ///
     /// # Errors
     /// [`GiError::Limit`] and [`GiError::Budget`] if an octree does not fit.
@@ -313,7 +311,7 @@ impl Volume {
         }
     }
 
-    /// Shows the radiance of the faces to cones: all that is needed between bounces.
+    /// Shows the radiance of the faces to cones, as needed between bounces.
     pub(crate) fn bounce(&self, recorder: &mut Recorder, changed: &ChangedCells) {
         match &self.surface {
             Some(surface) => surface.update(recorder),
@@ -321,19 +319,19 @@ impl Volume {
         }
     }
 
-    /// Shows the light that faces get from far away.
+    /// Shows the far light of the faces.
     pub(crate) fn show_far(&self, recorder: &mut Recorder<'_>, far: &Buffer) {
         if let Some(surface) = &self.surface {
             surface.show_far(recorder, far);
         }
     }
 
-    /// Whether cones march through the cells.
+    /// `true` if cones march through the cells.
     pub(crate) fn is_marched(&self) -> bool {
         self.surface.is_none()
     }
 
-    /// Group 0 of everything that traces cones. It is replaced when buffers grow.
+    /// Group 0 of everything that traces cones; replaced when buffers grow.
     pub(crate) fn globals(&self) -> &BindGroup {
         let surface = self.surface.as_ref().map(Surface::globals);
         surface.or_else(|| self.cell_globals()).expect("cones meet surface or cells")

@@ -1,5 +1,4 @@
-// A face as rays see it: twelve words. The last two are its emission, which is included in the
-// light that it shows.
+// A face for rays: twelve words. The last two are its emission, which its light includes.
 
 import package::constants::{HOLES, LARGEST_HALF, PARTED, SINGLE_SIDED};
 
@@ -9,7 +8,7 @@ struct Patch {
     offset: f32,
     lobe: u32,
     is_single_sided: bool,
-    // The share of light that passes through, of 255.
+    // The share of light that passes through, times 255.
     holes: u32,
     is_parted: bool,
 }
@@ -20,8 +19,8 @@ const NOTHING = 0xffffffffu;
 const BLACK = 0xfffffffeu;
 const UNLIT = 0xfffffffdu;
 
-// Maximum absolute offset. Offsets have 20 bits; the start, where the face's light is gathered, has
-// six bits along each side.
+// Maximum absolute offset. Offsets have 20 bits; the start, the point where the face's light is
+// gathered, has six bits along each side.
 const MOST_OFFSET = 1.05;
 const OFFSET_STEPS = 1048575.0;
 
@@ -44,7 +43,7 @@ fn pack_normal(normal: vec3f) -> u32 {
     return pack2x16snorm(select(flat, folded, normal.z < 0.0));
 }
 
-// The result has any length.
+// The normal, of any length.
 fn unpack_normal(packed: u32) -> vec3f {
     let flat = unpack2x16snorm(packed);
     let z = 1.0 - abs(flat.x) - abs(flat.y);

@@ -1,8 +1,8 @@
-// A volume with six lobes, as the tracer sees it: the module package::volume.
-// package::volume::cells defines where its cells are stored.
+// The tracer's view of a volume with six lobes: the module package::volume. package::volume::cells
+// defines where its cells are stored.
 //
-// Seen along d, a lobe with vector area N covers max(0, -d . N): exactly what a plane of that
-// orientation covers, and nothing from behind.
+// Seen along d, a lobe with vector area N covers max(0, -d . N): exactly the coverage of a plane of
+// that orientation, and zero from behind.
 
 import package::constants::CELL_PARTS;
 import package::volume::cells::{fetch, inside_share, load_part, parts_at, place_at, Place};
@@ -25,9 +25,10 @@ fn across_axis(direction: vec3f, axis: u32) -> vec2f {
     return vec2f(direction[(axis + 1u) % 3u], direction[(axis + 2u) % 3u]);
 }
 
-// The parts that are visible along a direction: on each axis the lobe that faces against it; the
-// other lobe only if something is tilted and the direction leans more across the axis than along it
-// (a lobe's axis is the longest component of its normals, so otherwise only its back can be seen).
+// The parts that are visible along a direction: on each axis the lobe that faces against the
+// direction, and the other lobe only if something is tilted and the direction is more across the
+// axis than along it. Otherwise only that lobe's back is visible, since a lobe's axis is the
+// longest component of its normals.
 fn parts_facing(parts: u32, direction: vec3f) -> u32 {
     var facing = 0u;
     for (var axis = 0u; axis < 3u; axis++) {
@@ -48,7 +49,7 @@ fn parts_facing(parts: u32, direction: vec3f) -> u32 {
 // space.
 struct Probe {
     place: Place,
-    // The visible parts; 0: the sample would be zero.
+    // The visible parts; the sample is zero if 0.
     parts: u32,
 }
 
@@ -101,12 +102,12 @@ fn sample_probe(probe: Probe, direction: vec3f) -> vec4f {
             break if parts == 0u;
         }
     }
-    // Everything scales with the border's weight, the vector areas included.
+    // The border's weight scales everything, vector areas included.
     return sum * inside_share(probe.place);
 }
 
-// The coverage of the surfaces across an axis in cells of a level: of surfaces that face along the
-// axis in x, against it in y.
+// The coverage of surfaces across an axis in cells of a level: in x of those that face along the
+// axis, in y against it.
 fn wall_coverage(position_in_grid: vec3f, level: u32, axis: u32) -> vec2f {
     let place = place_at(position_in_grid, level);
     let positive = fetch(place, part_of(axis, POSITIVE)).a;

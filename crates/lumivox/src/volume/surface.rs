@@ -1,4 +1,4 @@
-//! All surfaces as rays see them: an index of the voxels, and a patch for each face (`patch.wgsl`).
+//! All surfaces for rays: an index of the voxels, and a patch for each face (`patch.wgsl`).
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
@@ -12,7 +12,7 @@ use crate::{GiError, Grid};
 pub(super) const PATCH_WORDS: u32 = 6;
 const PATCH_BYTES: u64 = 8 * PATCH_WORDS as u64;
 
-/// Bytes of all that rays know of a face: more than any other buffer has for one.
+/// Bytes of a face in the buffer of patches: more than in any other buffer.
 pub(crate) const SURFACE_BYTES: u64 = PATCH_BYTES + FAR_BYTES;
 
 /// The level of the blocks that rays skip at once (`voxels/index.wgsl`).
@@ -49,7 +49,7 @@ struct Bound {
 }
 
 impl Surface {
-    /// Creates it without any surface.
+    /// Creates buffers without any surface.
     pub(super) fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
@@ -69,7 +69,7 @@ impl Surface {
         };
         check_index(grid, &device.limits())?;
         let grid_uniform = grid.uniform(device);
-        // A grid without voxels has an index, too.
+        // The index is needed even without voxels.
         let index = storage_buffer(device, "index of voxels", index_bytes(grid, 1));
         let patches = storage_buffer(device, "patches", SURFACE_BYTES);
         Ok(Self {
@@ -95,7 +95,7 @@ impl Surface {
         })
     }
 
-    /// Uses the moved boxes from here on.
+    /// Uses the moved boxes for later commands.
     pub(super) fn move_to(&mut self, device: &Pipelines, grid: &Grid, emitters: &Buffer) {
         self.grid_uniform = grid.uniform(device);
         self.grid = BindGroupBuilder::new(&self.grid_layout)
@@ -154,7 +154,7 @@ impl Surface {
         self.fill(recorder, &self.fill_light);
     }
 
-    /// Writes the light that faces get from far away, after the patches.
+    /// Writes the far light of the faces, after the patches.
     pub(super) fn show_far(&self, recorder: &mut Recorder<'_>, far: &Buffer) {
         let first = self.patches.size() / SURFACE_BYTES * PATCH_BYTES;
         recorder.copy((far, 0), (&self.patches, first), far.size());

@@ -1,10 +1,10 @@
-// All surfaces, as rays see them: group 0, next to the grid and the emitters.
+// All surfaces for rays: group 0, with the grid and the emitters.
 
 import package::constants::{FAR_CELLS, PATCH_WORDS};
 
 // Index of the voxels' faces (voxels/index.wgsl).
 @group(0) @binding(6) var<storage, read> index: array<u32>;
-// The faces (patch.wgsl), followed by their light from far away (far_light.wgsl).
+// The faces (patch.wgsl), followed by their far light (far_light.wgsl).
 @group(0) @binding(7) var<storage, read> patches: array<vec2u>;
 
 // FAR_CELLS, but not as a constant: drivers unroll loops of known length. With constants a start

@@ -14,7 +14,7 @@ struct LevelWords {
 @group(1) @binding(1) var<storage, read> changed_ranks: array<u32>;
 @group(1) @binding(2) var<storage, read> changed_cells: array<ChangedCell>;
 
-// The cell with that number; NOTHING beyond the last one.
+// The cell with this number; NOTHING after the last one.
 fn changed_cell(index: u32) -> ChangedCell {
     let place = changed_ranks[level_words.first_word] + index;
     if place >= changed_ranks[level_words.end_word] {

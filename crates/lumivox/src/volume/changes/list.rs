@@ -17,7 +17,7 @@ pub(crate) struct ListParams {
     pub(crate) only_occupied: u32,
 }
 
-/// `LevelWords` of `cells.wgsl`: where the bits of a level are.
+/// `LevelWords` of `cells.wgsl`: the place of a level's bits.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct LevelWords {
@@ -38,10 +38,10 @@ impl LevelWords {
     }
 }
 
-/// Changed cells, level by level, and how to run over them.
+/// Changed cells, level by level, and the dispatches over them.
 #[derive(Debug)]
 pub(crate) struct ChangedCells {
-    /// For each word of the bits, the number of cells before it; last, the total.
+    /// For each word of the bits, the number of cells before it, and the total.
     pub(crate) ranks: Buffer,
     /// `array<ChangedCell>` of `list.wgsl`.
     pub(crate) cells: Buffer,
@@ -54,7 +54,7 @@ pub(crate) struct ChangedCells {
 }
 
 impl ChangedCells {
-    /// Runs a kernel with one thread per changed cell of a level, and some more:
+    /// Runs a kernel with at least one thread per changed cell of a level:
     /// `package::volume::changes::cells` returns a thread's cell.
     pub(crate) fn dispatch(
         &self,
@@ -81,7 +81,7 @@ pub(super) struct Lister {
     list: Kernel,
     scan: Scan,
     indirect: Indirect,
-    /// A zero: no overflow.
+    /// A zero, bound for "no overflow".
     zero: Buffer,
 }
 
@@ -106,8 +106,8 @@ impl Lister {
         })
     }
 
-    /// Creates lists for up to `count` cells, which must be enough for all set bits; with
-    /// `only_occupied`, cells that are not occupied are skipped.
+    /// Creates lists for up to `count` cells, at least the number of set bits; with
+    /// `only_occupied`, empty cells are skipped.
     pub(super) fn cells(
         &self,
         device: &wgpu::Device,

@@ -6,7 +6,7 @@ import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
 import package::voxels::lookup::{bits_below, level_words};
 
-// Placeholder for a missing cell or node.
+// Index of a missing cell or node.
 const NOTHING = 0xffffffffu;
 
 struct ListParams {
@@ -24,7 +24,7 @@ struct ChangedCell {
 @group(1) @binding(1) var<storage, read> occupancy: array<u32>;
 @group(1) @binding(2) var<storage, read> ranks: array<u32>;
 @group(1) @binding(3) var<storage, read> changed: array<u32>;
-// One word more than `changed` has: the total.
+// One per word of `changed`, and the total.
 @group(1) @binding(4) var<storage, read_write> changed_ranks: array<u32>;
 @group(1) @binding(5) var<storage, read_write> cells: array<ChangedCell>;
 
@@ -56,7 +56,7 @@ fn list(
     if bits == 0u {
         return;
     }
-    // The word within its level.
+    // The word's index within its level.
     var word_in_level = word;
     var level = 0u;
     while word_in_level >= level_words(level) {

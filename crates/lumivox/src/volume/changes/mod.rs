@@ -1,14 +1,14 @@
-//! The cells of a volume whose content is outdated, so that all others can stay unchanged.
+//! Finds the cells of a volume whose content is outdated, so that only these are written.
 //!
 //! This depends only on the voxel list and the faces' radiance: any volume can use it. A bit per
 //! cell, laid out like the list's occupancy bits, is set if the surface or light of the cell, or of
-//! any cell below it, differs from what is stored. Cells with set bits are listed, and passes that
-//! write to the volume run only over them. The values that they write depend only on the voxel list
-//! and the radiance, so the volume is bit-identical to one with all cells written.
+//! any finer cell in it, differs from the stored one. Cells with set bits are listed, and passes
+//! that write to the volume run only over them. The values that they write depend only on the voxel
+//! list and the radiance, so the volume is bit-identical to one with all cells written.
 //!
-//! Voxelization sets the bits of voxels with changed surface (`voxelize/union.rs`). Light is
-//! compared with what the volume stores of each face ([`Changes::find`]). If light starts from
-//! darkness with many bounces, nearly everything changes several times within one update; then
+//! Voxelization sets the bits of voxels with changed surface (`voxelize/union.rs`). Each face's
+//! light is compared with the light that the volume stores ([`Changes::find`]). If light starts
+//! from darkness with many bounces, nearly everything changes several times within one update; then
 //! everything is written without a comparison ([`Changes::all`]).
 
 mod list;
@@ -28,8 +28,7 @@ pub(crate) use list::ListParams;
 use list::Lister;
 pub(crate) use list::{ChangedCells, LevelWords};
 
-/// Outgoing radiance of the faces of a list, and the radiance that the volume stores of them
-/// (`array<vec4f>` both).
+/// Outgoing radiance of a list's faces, now and as stored by the volume (`array<vec4f>` both).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shown<'a> {
     pub(crate) now: &'a Buffer,
@@ -50,7 +49,7 @@ struct Bound {
     shining: Option<Shining>,
 }
 
-/// Finds the cells that look different with the emission of their faces than without.
+/// Finds the cells in which emission is visible.
 #[derive(Debug)]
 struct Shining {
     bits: Buffer,
@@ -71,16 +70,16 @@ pub(crate) struct Changes {
     bits: Buffer,
     levels: BoundPyramid,
     bound: Option<Bound>,
-    /// The bits belong to a new list that the volume has not stored yet.
+    /// `true` if the bits belong to a new list that the volume has not stored yet.
     is_list_new: bool,
-    /// The bits belong to what was stored last.
+    /// `true` if the cells of the bits have been stored.
     is_stored: bool,
-    /// Nothing is known about the volume's content.
+    /// `true` if nothing is known about the volume's content.
     is_forgotten: bool,
 }
 
 impl Changes {
-    /// `bits` are the bits set by voxelizations.
+    /// Voxelizations set `bits`.
     pub(crate) fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
@@ -113,15 +112,15 @@ impl Changes {
         })
     }
 
-    /// Call before a voxelization: clears the bits of what has been stored.
+    /// Call before a voxelization: clears the bits if their cells have been stored.
     pub(crate) fn begin(&mut self, recorder: &mut Recorder<'_>) {
         if std::mem::take(&mut self.is_stored) {
             recorder.clear(&self.bits);
         }
     }
 
-    /// Binds another list, or the same one after its buffers were resized. Cells of `old` may be
-    /// gone.
+    /// Binds another list, or the same one after its buffers were resized; cells of `old` may no
+    /// longer exist.
     pub(crate) fn bind(
         &mut self,
         device: &wgpu::Device,
@@ -177,8 +176,8 @@ impl Changes {
         }
     }
 
-    /// Call before surfaces are needed, regardless of their light: returns the cells without the
-    /// surfaces of the current list; `None` if the volume is up to date.
+    /// Call before surfaces are needed, regardless of their light: returns the cells that do not
+    /// store the current list's surfaces; `None` if the volume is up to date.
     pub(crate) fn surfaces(&mut self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
         if self.is_list_new { self.list(recorder) } else { None }
     }
@@ -190,7 +189,7 @@ impl Changes {
         self.stored(recorder)
     }
 
-    /// Call before the current radiance is stored: returns the cells that do not store it.
+    /// Call before the current radiance is stored: returns the cells whose stored radiance differs.
     /// Afterwards `held` equals `now`.
     pub(crate) fn find(&mut self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
         let bound = self.bound.as_ref()?;
@@ -245,8 +244,7 @@ impl Changes {
         self.is_forgotten = true;
     }
 
-    /// The list that [`Self::find`] and similar methods fill, and the one that [`Self::wrong`]
-    /// fills.
+    /// The lists that are filled by [`Self::find`] and similar methods, and by [`Self::wrong`].
     pub(crate) fn cells(&self) -> Option<[&ChangedCells; 2]> {
         self.bound.as_ref().map(|bound| [&bound.changed, &bound.wrong])
     }

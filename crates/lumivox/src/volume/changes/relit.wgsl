@@ -10,8 +10,8 @@ import package::voxels::list::{Node, faces_of};
 @group(1) @binding(1) var<storage, read> nodes: array<Node>;
 @group(1) @binding(2) var<storage, read> first_faces: array<u32>;
 @group(1) @binding(3) var<storage, read> radiance: array<vec4f>;
-// The volume's content of each face: before this pass the old one, afterwards that of the next
-// update.
+// The radiance of each face in the volume: before this pass the stored one, afterwards that of the
+// next update.
 @group(1) @binding(4) var<storage, read_write> held: array<vec4f>;
 @group(1) @binding(5) var<storage, read_write> changed: array<atomic<u32>>;
 

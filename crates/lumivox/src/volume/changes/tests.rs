@@ -1,6 +1,6 @@
-//! After any moves and lights, the volume equals a new one, to the bit. An octree keeps the places
-//! of its bricks, which decide the last bits of what cones see: there it equals, to the bit, one
-//! that has voxelized everything at each move.
+//! After any changes of geometry and lights, the volume has the bits of a new one. An octree keeps
+//! the places of its bricks, which affect the last bits of cones' samples: it has the bits of an
+//! octree that voxelized everything at each move.
 
 use glam::{Mat4, Vec3};
 
@@ -52,7 +52,7 @@ impl Stage {
         recorder.submit();
     }
 
-    /// Compares all that a fresh object holds for the same scene and light.
+    /// Compares with a new object for the same scene and light.
     fn assert_fresh(
         &self,
         gi: &Gi,
@@ -72,7 +72,7 @@ impl Stage {
             let largest = fresh.iter().flatten().fold(0.0_f32, |a, b| a.max(*b));
             let pairs = || own.iter().flatten().zip(fresh.iter().flatten());
             let off = pairs().filter(|(a, b)| (*a - *b).abs() > 1e-5 * largest).count();
-            // A last bit may decide whether a cone continues.
+            // A last bit may change whether a cone continues.
             assert!(off * 100 < pairs().count(), "{what}: {off} values differ");
             let sum = |light: &[[f32; 4]]| light.iter().flatten().copied().map(f64::from).sum();
             let [a, b]: [f64; 2] = [sum(&own), sum(&fresh)];
@@ -87,7 +87,7 @@ impl Stage {
         read(&self.device, &self.queue, gi.face_radiance().expect("there is light"), count)
     }
 
-    /// Compares all that two objects hold.
+    /// Compares the buffers of two objects.
     fn assert_same(&self, gi: &Gi, other: &Gi, what: &str) {
         let radiance = |gi: &Gi| -> Vec<[u32; 4]> {
             self.radiance(gi).iter().map(|light| light.map(f32::to_bits)).collect()
@@ -106,7 +106,7 @@ impl Stage {
         }
     }
 
-    /// How many cells of all levels the last update wrote, and how many are occupied.
+    /// The number of cells of all levels that the last update wrote, and of occupied ones.
     fn changed(&self, gi: &Gi) -> (u32, u32) {
         let occupancy = &gi.voxels().expect("there are voxels").occupancy;
         let words = occupancy.size() as usize / 4;
@@ -124,8 +124,8 @@ fn at(x: f32, y: f32, z: f32) -> Mat4 {
 
 const LAMP: Vec3 = Vec3::new(0.2, 0.4, 0.7);
 
-/// In the air, a little on, into a wall, onto the plate, half outside, far outside (gone), and
-/// back; lit directly, with bounces, directly again; with and without shadows through the voxels.
+/// Moves in the air, a little farther, into a wall, onto the plate, half outside, far outside
+/// (gone), and back; lit directly, with bounces, directly again; with and without cone shadows.
 fn check_moves(volume: VolumeKind, directionality: Directionality, shadow: Shadow) {
     let stage = Stage::new(volume, directionality);
     let [mut gi, mut whole] = [stage.gi(), stage.gi()];
@@ -171,7 +171,7 @@ fn a_moved_octree_equals_a_fresh_one() {
     check_moves(VolumeKind::Octree, Directionality::Isotropic, Shadow::None);
 }
 
-/// Lists that are replaced before they are lit, and light that changes without the list.
+/// Lists are replaced before they are lit, and light changes while the list does not.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn calls_in_any_order_equal_a_fresh_volume() {
@@ -208,11 +208,10 @@ fn check_any_order(volume: VolumeKind) {
     stage.assert_fresh(&gi, here, 0, lamp, Shadow::Cone, "forgotten");
 }
 
-/// A small change writes few cells.
 #[test]
 fn a_small_change_writes_few_cells() {
     let mut stage = Stage::new(VolumeKind::Dense, Directionality::SixLobes);
-    // Cells that shine are written whenever their emission is hidden or shown.
+    // Emissive cells would be written whenever their emission is hidden or shown.
     for material in &mut stage.geometry.materials {
         material.emission = Vec3::ZERO;
     }

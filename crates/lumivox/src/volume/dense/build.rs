@@ -1,5 +1,5 @@
 //! Stores faces into the dense volume, filters its pyramid, and clears the cells of an earlier
-//! list: only where something has changed.
+//! list; only changed cells are written.
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
@@ -124,7 +124,7 @@ impl Build {
             .collect();
     }
 
-    /// Writes zeros to the cells of all levels whose content is wrong.
+    /// Writes zeros to the cells with changed surface of all levels.
     pub(super) fn clear(
         &self,
         recorder: &mut Recorder<'_>,

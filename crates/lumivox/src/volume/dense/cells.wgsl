@@ -12,7 +12,7 @@ import package::volume::dense::masks::parts_near;
 
 // Location of a filtered look-up.
 struct Place {
-    // In the voxels of the cascade.
+    // The position, in voxels of the cascade.
     position: vec3f,
     // The level of its cells minus the cascade's number.
     up: u32,
@@ -34,7 +34,7 @@ fn inside_share(place: Place) -> f32 {
     return border_weight(place.position, place.up, place.cascade);
 }
 
-// Trilinear sample at a stored position, which is at least half a cell inside its box.
+// Trilinear sample at a position in storage, at least half a cell inside its box.
 fn sample_stored(position: vec3f, part: u32, up: u32) -> vec4f {
     let extent = vec3f(grid.dimensions);
     let slabs = select(3.0, 1.0, ISOTROPIC != 0u);
@@ -53,8 +53,8 @@ fn fetch(place: Place, part: u32) -> vec4f {
     }
     let block = vec3f(block_of(place.cascade)) * size;
     let turned = inside - size * floor(inside / size);
-    // Between the last and the first stored cell of a box, which are neighbours, too (the box wraps
-    // around).
+    // Handles positions between the last and the first stored cell of a box, which are neighbours,
+    // too (the box wraps around).
     let beyond = select(turned, turned - size, turned > 0.5 * size);
     let is_between = abs(beyond) < vec3f(half_cell);
     if !any(is_between) {
@@ -63,7 +63,7 @@ fn fetch(place: Place, part: u32) -> vec4f {
     let axes = dot(select(vec3u(0u), vec3u(1u, 2u, 4u), is_between), vec3u(1u));
     let of_first = select(vec3f(1.0), 0.5 + 0.5 * beyond / half_cell, is_between);
     var sum = vec4f(0.0);
-    // Bit mask of the axes along which the last cell is read; loops over all subsets.
+    // Bit mask of the axes along which the last cell is read; the loop runs over all subsets.
     var last = 0u;
     loop {
         let is_last = (vec3u(last) & vec3u(1u, 2u, 4u)) != vec3u(0u);

@@ -1,4 +1,5 @@
-// Fills the masks of masks.wgsl: each occupied cell marks the eight look-up positions that read it.
+// Fills the masks of masks.wgsl: each occupied cell adds its parts to the eight look-up positions
+// that read it.
 
 import package::cascades::stored_after;
 import package::constants::LINEAR_WORKGROUP_SIZE;

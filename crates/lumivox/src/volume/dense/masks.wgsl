@@ -1,9 +1,9 @@
 // The parts that a filtered look-up can contain, so that the tracer skips empty space with one
 // load.
 //
-// A trilinear look-up at level l reads 2x2x2 texels, and which ones depends only on floor(texel -
-// 1/2). So each of those positions has an entry: the parts (parts.wgsl) of its 2x2x2 cells, OR-ed.
-// 16 bits per entry, two entries per word. Skipping by them is exact.
+// A trilinear look-up at level l reads 2x2x2 texels that depend only on floor(texel - 1/2). So each
+// such position has an entry: the parts (parts.wgsl) of its 2x2x2 cells, OR-ed, in 16 bits; a word
+// has two entries. Skipping by entries is exact.
 
 import package::cascades::{box_size, lowest_voxel, stored_cell};
 import package::constants::MASK_LEVELS;
@@ -32,9 +32,9 @@ fn level_first_entry(level: u32) -> u32 {
     return first;
 }
 
-// All parts that a look-up at a level can contain. `position` is in voxels of the cascade, the
-// level is `up` levels above them. Without cascades there is one more position than cells along an
-// axis; in a cascade the last position is also the first one.
+// All parts that a look-up can contain, `up` levels above the voxels of the cascade. `position` is
+// in these voxels. Without cascades there is one more position than cells along an axis; in a
+// cascade the last position is also the first one.
 fn parts_near(position: vec3f, up: u32, cascade: u32) -> u32 {
     let corner = vec3i(floor(position * exp2(-f32(up)) + 0.5));
     let from_lowest = corner - (lowest_voxel(cascade) >> vec3u(up));

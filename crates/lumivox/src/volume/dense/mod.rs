@@ -3,7 +3,7 @@
 //! With six lobes a cell has nine parts of four half floats (`parts.wgsl`): 72 bytes, 8/7 of that
 //! with the pyramid. An isotropic cell has one part. All parts are in one `Rgba16Float` texture, so
 //! that tracing binds a single texture and loops over the parts that a sample needs. A mask of two
-//! more bytes per cell marks the existing parts, so that empty space costs no look-up. Only cells
+//! more bytes per cell marks the existing parts, so that empty space needs no look-up. Only cells
 //! of the voxel list are written or cleared: time grows with the surface, memory with the third
 //! power of the resolution. Use it for small grids and for comparison.
 
@@ -119,7 +119,7 @@ impl DenseVolume {
         })
     }
 
-    /// Uses the moved boxes from here on.
+    /// Uses the moved boxes for later commands.
     pub(super) fn move_to(&mut self, device: &Pipelines, grid: &Grid, emitters: &Buffer) {
         self.grid_uniform = grid.uniform(device);
         let layout = LayoutBuilder::compute().uniform().build(device, "grid");

@@ -16,7 +16,7 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(6) var<storage, read> radiance: array<vec4f>;
 @group(1) @binding(7) var cells_out: texture_storage_3d<rgba16float, write>;
 
-// The faces of a lobe, `count` of them from the `first`.
+// Combines `count` faces of a lobe, starting at `first`.
 fn layers_of(first: u32, count: u32) -> Layers {
     var layers = Layers(vec4f(0.0), vec2f(0.0));
     for (var i = first; i < first + count; i++) {

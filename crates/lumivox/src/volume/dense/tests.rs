@@ -1,4 +1,4 @@
-//! Storing and filtering against plain loops.
+//! Compares storing and filtering with plain loops.
 
 use glam::{UVec3, Vec3};
 use half::f16;
@@ -51,7 +51,7 @@ pub(crate) fn read_levels(device: &wgpu::Device, queue: &wgpu::Queue, gi: &Gi) -
     (0..gi.grid().levels).map(|level| read_parts(device, queue, gi, level)).collect()
 }
 
-/// The parts of all cells of a level, taken out of the atlas.
+/// Reads the parts of all cells of a level from the atlas.
 fn read_parts(device: &wgpu::Device, queue: &wgpu::Queue, gi: &Gi, level: u32) -> Level {
     let Some(CellVolume::Dense(dense)) = gi.cells() else { panic!("it is dense") };
     let texels: Vec<[f32; 4]> = read_level::<[u16; 4]>(device, queue, dense.texture(), level)
@@ -66,7 +66,7 @@ fn read_parts(device: &wgpu::Device, queue: &wgpu::Queue, gi: &Gi, level: u32) -
             .flat_map(|z| (0..height).flat_map(move |y| (0..width).map(move |x| (x, y, z))))
             .map(|(x, y, z)| {
                 let (y, z) = (y + y_slab * height, z + z_slab * depth);
-                // Isotropic: one slab; six lobes: three along y.
+                // An isotropic texture has one slab; one with six lobes three along y.
                 let rows = if rows == height { height } else { 3 * height };
                 texels[((z * rows + y) * width + x) as usize]
             })
@@ -82,7 +82,7 @@ fn read_parts(device: &wgpu::Device, queue: &wgpu::Queue, gi: &Gi, level: u32) -
     }
 }
 
-/// Half floats keep 11 bits; the sums before rounding may differ in their last bits.
+/// Half floats have 11 bits; sums may differ in their last bits before rounding.
 fn assert_near(actual: [f32; 4], expected: [f32; 4], absolute: f32, what: &str) {
     for (a, e) in actual.iter().zip(expected) {
         let tolerance = absolute + e.abs() * 2.0_f32.powi(-10);
@@ -180,7 +180,7 @@ fn mip_levels_match_the_cpu_twin() {
 #[ignore = "slow: over three seconds"]
 fn a_new_voxel_list_clears_the_old_content() {
     let (device, queue, mut gi) = lit_room(32, Directionality::SixLobes);
-    // Moves the same room by some voxels: every trace of the first one must be gone.
+    // Moves the room by some voxels: its first place must be empty.
     let shift = glam::Mat4::from_scale_rotation_translation(
         Vec3::splat(0.5),
         glam::Quat::IDENTITY,
@@ -207,8 +207,8 @@ fn a_new_voxel_list_clears_the_old_content() {
     }
 }
 
-/// The finest level has the surface's area in each voxel, one at most, and the mean of its light;
-/// each coarser one is the mean of eight.
+/// Cells of the finest level contain the voxel's area of surface, one at most, and the mean of its
+/// light; each coarser cell is the mean of eight.
 #[test]
 fn isotropic_levels_are_means() {
     let (device, queue, gi) = lit_room(32, Directionality::Isotropic);

@@ -1,8 +1,8 @@
 // Builds nodes from ranks: each thread handles one word of node bits and writes the groups of its
 // four bytes.
 //
-// The eight children of a node are one byte of the node bits. A nonzero byte is a group, and its
-// number is the number of groups before it (groups.wgsl).
+// The eight children of a node are one byte of the node bits. A nonzero byte is a group; its number
+// is the number of groups before it (groups.wgsl).
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -1,5 +1,5 @@
-// Moves the values of renewed nodes' own cells: values of unchanged cells move to the node's new
-// bricks, values of changed cells are discarded. One thread per cell.
+// Moves the values of unchanged own cells of renewed nodes to the nodes' new bricks, and discards
+// those of changed cells. One thread per cell.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -10,7 +10,8 @@ import package::volume::octree::needs::Needs;
 
 @group(1) @binding(0) var<uniform> needs: Needs;
 @group(1) @binding(1) var<storage, read> renewals: array<Renewal>;
-// A bit per cell, laid out like the occupancy: cells with changed surface, in themselves or below.
+// A bit per cell, laid out like the occupancy, set if the surface of the cell or of a finer cell in
+// it has changed.
 @group(1) @binding(2) var<storage, read> changed: array<u32>;
 @group(1) @binding(3) var<storage, read_write> values: array<vec2u>;
 

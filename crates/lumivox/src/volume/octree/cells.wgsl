@@ -21,8 +21,8 @@ struct Place {
 
 fn place_at(position_in_grid: vec3f, level: u32) -> Place {
     let cells = vec3i(grid.dimensions >> vec3u(level));
-    // The cell after the first one that is read. Farther outside than half a cell, everything is
-    // empty.
+    // The second of the cells that are read. Farther than half a cell outside the grid, everything
+    // is empty.
     let second = vec3i(floor(position_in_grid * exp2(-f32(level)) + 0.5));
     if any(second < vec3i(0)) || any(second > cells) {
         return Place(position_in_grid, level, vec3u(0u), 0u, 0u);
@@ -43,8 +43,7 @@ fn fetch(place: Place, part: u32) -> vec4f {
         return vec4f(0.0);
     }
     let position = place.position_in_grid * exp2(-f32(place.level));
-    // From the center of the first cell to that of the next; outside of the grid clamped to its
-    // border.
+    // The position between the centres of the first and the second cell, clamped to the grid.
     let last = vec3f(grid.dimensions >> vec3u(place.level)) - 0.5;
     let share = saturate(min(position, last) - 0.5 - vec3f(place.first));
     let texel = brick_origin(brick_of(place.node, part)) + (place.first & vec3u(1u));

@@ -1,4 +1,4 @@
-//! Content of the octree: the values of cells, and the bricks that are filled from them.
+//! Content of the octree: the values of cells, and the bricks filled from values.
 
 use super::tree::Tree;
 use crate::gpu::{
@@ -28,9 +28,9 @@ pub(super) struct BoundContent {
     /// Group 0.
     globals: BindGroup,
     store: BindGroup,
-    /// For each level except the finest.
+    /// Bind groups for filtering each level except the finest.
     filters: Vec<BindGroup>,
-    /// For each level.
+    /// Bind groups for filling the bricks of each level's cells.
     fills: Vec<BindGroup>,
 }
 

@@ -1,7 +1,7 @@
 // Fills bricks from values: each thread copies the values of one changed cell into all bricks that
 // contain it (holders.wgsl).
 //
-// Two thirds of a brick's texels are its neighbours' cells (19 of 27).
+// Two thirds of a brick's texels (19 of 27) are cells of neighbours.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -20,7 +20,7 @@ import package::voxels::morton::morton_decode;
 
 // The copy that a thread makes.
 struct Task {
-    // `false` if there is nothing to do.
+    // `false` if the thread has nothing to copy.
     exists: bool,
     cell: vec3u,
     // The level of the nodes that contain the cell.

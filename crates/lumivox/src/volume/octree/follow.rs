@@ -1,9 +1,9 @@
-//! Updates the octree to a list: which nodes exist, which of them are renewed, and where their
-//! bricks are stored.
+//! Updates the octree to a list: finds the nodes that exist, those that are renewed, and places for
+//! their bricks.
 //!
 //! Everything is recorded without knowing the counts on the CPU: buffers have a capacity, counts
-//! stay on the GPU, and one thread compares the two (`needs.wgsl`). What is shown is written
-//! after that, and only if nothing overflows.
+//! stay on the GPU, and one thread compares the two (`needs.wgsl`). Later passes write the octree
+//! only if nothing overflows.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -59,7 +59,7 @@ pub(super) struct State {
     pub needs: Buffer,
     /// `Places` of `needs.wgsl`.
     places: Buffer,
-    /// A bit per voxel whose change was missed.
+    /// A bit per voxel, set if its change was missed.
     missed: Buffer,
 }
 
@@ -127,13 +127,13 @@ pub(super) struct BoundFollow {
     node_bits: Buffer,
     /// Number of groups before each word of `node_bits`.
     group_ranks: Buffer,
-    /// A bit for each node that is renewed or removed.
+    /// A bit per node, set if it is renewed or removed.
     renewed: Buffer,
     renewed_ranks: Buffer,
     words: u64,
     old: [Buffer; 2],
     run_starts: Buffer,
-    /// Group 0: without nodes, with the previous nodes, with the nodes that are shown.
+    /// Group 0 three times: without nodes, with the previous nodes, and with the shown nodes.
     tree: BindGroup,
     so_far: BindGroup,
     shown: BindGroup,
@@ -247,7 +247,7 @@ impl FollowKernels {
         BoundMissed { group, words: level_first_word(grid, 1) }
     }
 
-    /// Call before following a list: marks missed changes as changed.
+    /// Call before an update to a list: marks missed changes as changed.
     pub fn join_missed(
         &self,
         recorder: &mut Recorder<'_>,
@@ -257,7 +257,7 @@ impl FollowKernels {
         self.join_missed.run_linear(recorder, &[globals, &bound.group], bound.words);
     }
 
-    /// Call after following a list, and after an update: marks changes as missed if there was an
+    /// Call after an update to a list, and after one of its light: marks changes as missed on
     /// overflow.
     pub fn note_missed(
         &self,
@@ -291,7 +291,7 @@ impl FollowKernels {
         (tree, scratch, state): (&Tree, &Scratch, &State),
     ) -> BoundFollow {
         let words = u64::from(layout.bit_words());
-        // The root has a word as well, so that the pyramid may end in it.
+        // The root has its own word, in which the pyramid may end.
         let bits = |label| storage_buffer(device, label, (words + 1) * 4);
         let [node_bits, group_ranks] = ["octree: node bits", "octree: group ranks"].map(bits);
         let [renewed, renewed_ranks] = ["octree: renewed", "octree: renewed ranks"].map(bits);
@@ -397,8 +397,8 @@ impl FollowKernels {
         }
     }
 
-    /// Follows the list, unless something overflows. Without a caller's builder, nodes are built by
-    /// ranks.
+    /// Updates the octree to the list, unless something overflows. Without a caller's builder,
+    /// nodes are built by ranks.
     pub fn run(
         &self,
         recorder: &mut Recorder<'_>,
@@ -411,7 +411,7 @@ impl FollowKernels {
         for buffer in [&bound.node_bits, &bound.renewed, &bound.run_starts] {
             recorder.clear(buffer);
         }
-        // Which nodes exist, and which are renewed.
+        // Finds existing and renewed nodes.
         for group in &bound.mark {
             self.mark.run_linear(recorder, &[&bound.tree, group], bound.mark_words);
         }
@@ -423,7 +423,7 @@ impl FollowKernels {
         self.scan.run_bound(recorder, &bound.renewed_scan);
         self.list_renewals.run_linear(recorder, &renewals, bound.words);
 
-        // Memory that they need, and whether it fits.
+        // Computes the needed memory, and whether it fits.
         self.indirect.run(recorder, &bound.all_renewals);
         recorder.compute("volume::octree::masks", |pass| {
             let arguments = &bound.all_renewals.arguments;
@@ -432,7 +432,7 @@ impl FollowKernels {
         self.scan.run_bound(recorder, &bound.run_scan);
         self.needs.run(recorder, &[&bound.tree, &bound.needs], [1; 3]);
 
-        // Brick places, nodes, and their content.
+        // Writes places of bricks, nodes, and their content.
         let at = |member: usize| member as u64;
         let of_renewals = at(std::mem::offset_of!(TreeNeeds, renewal_groups));
         let of_nodes = at(std::mem::offset_of!(TreeNeeds, node_groups));

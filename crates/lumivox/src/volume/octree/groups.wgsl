@@ -1,7 +1,7 @@
 // Numbers the groups of nodes by ranks: without locks, in the same order in every run.
 //
-// The eight children of a node are one byte of the node bits. A nonzero byte is a group, and its
-// number is the number of groups before it: a prefix sum over the words' counts.
+// The eight children of a node are one byte of the node bits. A nonzero byte is a group; its number
+// is the number of groups before it, by a prefix sum over the words' counts.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -9,7 +9,7 @@ import package::volume::octree::tree::tree;
 
 // The bits of the nodes below the root's level, level 1 first.
 @group(1) @binding(0) var<storage, read> node_bits: array<u32>;
-// One more word: the total.
+// One per word of bits, and the total.
 @group(1) @binding(1) var<storage, read_write> group_ranks: array<u32>;
 
 // The lowest bit of each byte is set if any bit of the byte is.

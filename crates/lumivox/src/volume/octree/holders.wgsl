@@ -6,8 +6,7 @@
 
 import package::volume::octree::tree::corner_of;
 
-// Whether the node that is back from a cell's own node by the `i`-th corner (0 to 7) contains the
-// cell.
+// Whether the node at the cell's own node minus the `i`-th corner (0 to 7) contains the cell.
 fn has_holder(cell: vec3u, i: u32) -> bool {
     let back = corner_of(i);
     return all(back <= ((cell & vec3u(1u)) ^ vec3u(1u))) && all(back <= (cell >> vec3u(1u)));

@@ -10,7 +10,7 @@ use crate::{GiError, Grid};
 ///
 /// Implement it to measure your own builder against Lumivox's, or to order the nodes for your own
 /// look-ups. The set of nodes follows from the voxels (`package::volume::octree::tree` defines it),
-/// and bricks have places of their own, so a builder only affects time and order: pictures stay
+/// and bricks are placed independently, so a builder only affects time and order: pictures stay
 /// bit-identical.
 pub trait OctreeBuilding: Debug + Send + Sync {
     /// The name; settings with the same builder name are equal.
@@ -19,7 +19,7 @@ pub trait OctreeBuilding: Debug + Send + Sync {
     /// Creates the builder on a device.
     ///
     /// # Errors
-    /// Passed on by [`crate::Gi::with_pipelines`].
+    /// Returned by [`crate::Gi::with_pipelines`].
     fn make(&self, parts: &OctreeParts<'_>) -> Result<Box<dyn OctreeBuilder>, GiError>;
 }
 
@@ -30,7 +30,7 @@ impl PartialEq for dyn OctreeBuilding {
     }
 }
 
-/// Inputs for creating an [`OctreeBuilder`].
+/// Parts that an [`OctreeBuilding`] can use to create its [`OctreeBuilder`].
 #[derive(Clone, Copy, Debug)]
 pub struct OctreeParts<'a> {
     /// The device, with its pipelines.
@@ -46,17 +46,18 @@ pub struct OctreeParts<'a> {
 
 /// Created by an [`OctreeBuilding`]: builds the nodes of one octree, list after list.
 ///
-/// It must not wait for the GPU, since octrees follow moving voxels within a frame. The number of
-/// nodes, and whether they fit, is only known on the GPU.
+/// It must not wait for the GPU, since octrees are updated within a frame. Only the GPU knows the
+/// number of nodes, and whether they fit.
 pub trait OctreeBuilder: Debug + wgpu::WasmNotSendSync {
-    /// Binds the list and the octree of the next builds; called when either has other buffers.
+    /// Binds the list and the octree of the next builds; called when buffers of either have
+    /// changed.
     ///
     /// # Errors
-    /// [`GiError::Limit`] if what it needs for them does not fit the device.
+    /// [`GiError::Limit`] if its own buffers do not fit the device.
     fn bind(&mut self, device: &wgpu::Device, tree: &TreeToBuild<'_>) -> Result<(), GiError>;
 
-    /// Releases the list and the octree, and everything that it keeps for them: nothing will be
-    /// built before the next [`Self::bind`].
+    /// Releases the list, the octree, and all data for them; [`Self::bind`] is called before the
+    /// next build.
     fn release(&mut self);
 
     /// Records the passes that write the nodes of the bound tree. `globals` is bind group 0
@@ -64,7 +65,7 @@ pub trait OctreeBuilder: Debug + wgpu::WasmNotSendSync {
     fn build(&self, recorder: &mut Recorder<'_>, globals: &BindGroup);
 
     /// Words that [`Self::build`] writes for the CPU; they are passed to [`Self::check`] after
-    /// their read-back. It must be the same buffer for the lifetime of the builder, and support
+    /// their read-back. The buffer must not change during the builder's lifetime, and must support
     /// being copied from ([`crate::gpu::storage_buffer`]). Default: none.
     fn counters(&self) -> Option<&Buffer> {
         None

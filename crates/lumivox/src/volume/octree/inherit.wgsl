@@ -1,6 +1,6 @@
-// Writes bricks and masks of all nodes: for renewed nodes from the renewals, for the others from
-// the previous octree. Also writes the table that searches start from: the nodes of its level and
-// of all coarser ones.
+// Writes bricks and masks of all nodes: of renewed nodes from the renewals, of others from the
+// previous octree. Also writes the table that searches start from: the nodes of its level and of
+// coarser ones.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -6,7 +6,7 @@ use glam::UVec3;
 use crate::Grid;
 use crate::voxels::{BitLevel, level_first_word};
 
-/// Upper bound of the levels of nodes and cells: those of 1024 voxels are 0 to 10.
+/// Upper bound of the number of levels of nodes and cells; 1024 voxels have levels 0 to 10.
 pub(crate) const NODE_LEVELS: usize = 12;
 /// Words of a node in the buffer (`tree.wgsl`).
 pub(crate) const NODE_WORDS: u32 = 6;

@@ -1,5 +1,6 @@
-// Sets the bit of each node that contains a marked cell in its bricks (holders.wgsl): for occupied
-// cells, the nodes that exist; for changed cells, the nodes that are renewed.
+// Sets the bit of each node that contains a marked cell in its bricks (holders.wgsl). Marked cells
+// are the occupied ones, to find the nodes that exist, or the changed ones, to find the renewed
+// nodes.
 //
 // The eight cells in a node are a byte of the cells' bits. Each thread handles one word of them.
 
@@ -11,11 +12,11 @@ import package::voxels::morton::{morton_decode, morton_encode};
 
 // A bit per cell, laid out like the occupancy.
 @group(1) @binding(0) var<storage, read> cell_bits: array<u32>;
-// A bit per node below the root, level 1 first, each level in Morton order.
+// A bit per node below the root, each level in Morton order, level 1 first.
 @group(1) @binding(1) var<storage, read_write> node_bits: array<atomic<u32>>;
 
-// The cells, of a node's eight, that the node back by a corner contains as its neighbours': the
-// first of two along each axis of the corner.
+// The cells of a node that the node minus a corner `back` contains as neighbours' cells: the first
+// of two along each axis of the corner.
 fn held_from(back: vec3u) -> u32 {
     return select(0xffu, 0x55u, back.x != 0u)
         & select(0xffu, 0x33u, back.y != 0u)

@@ -1,5 +1,5 @@
-// The masks of renewed nodes (the parts that look-ups into their bricks can contain), and the
-// number of runs of bricks of each length that are needed and released.
+// Computes the masks of renewed nodes (the parts that look-ups into their bricks can contain), and
+// counts needed and released runs of bricks by length.
 
 import package::constants::{CELL_PARTS, LINEAR_WORKGROUP_SIZE, RUN_KINDS};
 import package::gpu::dispatch::linear_index;
@@ -16,8 +16,8 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(3) var<storage, read> node_bits: array<u32>;
 @group(1) @binding(4) var<storage, read> renewed_ranks: array<u32>;
 @group(1) @binding(5) var<storage, read_write> renewals: array<Renewal>;
-// For each kind of run, the runs of each workgroup; one more word: the total. Kinds are the lengths
-// 1 to 9 of needed runs, then those of released runs.
+// For each kind of run, the number of runs of each workgroup; then the total. Kinds are the lengths
+// 1 to 9 of needed runs, then of released runs.
 @group(1) @binding(6) var<storage, read_write> run_starts: array<u32>;
 
 var<workgroup> runs: array<atomic<u32>, RUN_KINDS>;
@@ -33,7 +33,7 @@ fn masks_of(node_cell: vec3u, level: u32) -> vec4u {
         }
         let parts = stored_parts(nodes[rank].lobes);
         everything |= parts;
-        // The look-ups that read this cell: those that start at it, or one cell before.
+        // Look-ups that start at this cell or one cell before read it.
         for (var lookup = 0u; lookup < 8u; lookup++) {
             if all(offset - corner_of(lookup) <= vec3u(1u)) {
                 masks[lookup / 2u] |= parts << (16u * (lookup % 2u));

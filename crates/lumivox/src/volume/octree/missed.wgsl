@@ -1,4 +1,5 @@
-// The voxels whose changes the octree missed while it overflowed, to be applied once it has grown.
+// The voxels whose changes the octree missed while it overflowed. They are applied once it has
+// grown.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;
@@ -10,7 +11,7 @@ import package::volume::octree::needs::Needs;
 // A bit per cell of all levels, the voxels first.
 @group(1) @binding(2) var<storage, read_write> changed: array<u32>;
 
-// Before a list is followed: marks missed changes as changed.
+// Runs before an update to a list: marks missed changes as changed.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn join(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -22,8 +23,8 @@ fn join(
     }
 }
 
-// Runs after `needs.wgsl`, and after an update: marks changes as missed on overflow, otherwise
-// clears the marks.
+// Runs after `needs.wgsl`, and after an update of light: marks changes as missed on overflow,
+// otherwise clears the marks.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn note(
     @builtin(global_invocation_id) invocation: vec3u,

@@ -70,7 +70,7 @@ pub(super) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("OVERFLOW_BRICKS", OVERFLOW_BRICKS);
 }
 
-/// The memory grows with this power of the resolution, as surfaces do.
+/// The memory grows with this power of the resolution, like surfaces.
 const GROWTH: f64 = 2.0;
 
 /// The octree volume.
@@ -182,7 +182,7 @@ impl OctreeVolume {
         &self.state.needs
     }
 
-    /// Allows another list, or one with resized buffers, to be bound.
+    /// Releases the bind groups, before another list or resized buffers are bound.
     pub(super) fn unbind(&mut self) {
         self.content = None;
         self.stop_following();
@@ -195,8 +195,7 @@ impl OctreeVolume {
         }
     }
 
-    /// Call before the cells with changed surface are found by their bits: adds the changes that
-    /// the octree has missed.
+    /// Call before cells with changed surface are found by their bits: adds missed changes.
     pub(crate) fn join_missed(&mut self, recorder: &mut Recorder<'_>, bits: &Buffer) {
         let kernels = &self.follow_kernels;
         let bound = self.missed.get_or_insert_with(|| {
@@ -205,8 +204,8 @@ impl OctreeVolume {
         kernels.join_missed(recorder, &self.missed_globals, bound);
     }
 
-    /// Shows a list, unless something overflows: content that is still correct stays. Queues a
-    /// read-back of whether it has.
+    /// Shows a list, unless something overflows; correct content is kept. Queues a read-back of the
+    /// overflow flags.
     pub(super) fn show(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -273,18 +272,18 @@ impl OctreeVolume {
         self.reserve(recorder, needs, if has_moving { with_spare } else { |count| count })
     }
 
-    /// Whether it shows an earlier list, by the read-backs that [`Self::grow`] has applied.
+    /// `true` if it shows an earlier list, by the read-backs that [`Self::grow`] has applied.
     pub(crate) fn is_late(&self) -> bool {
         self.late.is_late() && self.has_list
     }
 
-    /// Whether it shows an earlier list, by the read-backs that have finished; `None` before there
-    /// is a list. The caller must poll the device first.
+    /// Whether it shows an earlier list, by the finished read-backs; `None` before there is a list.
+    /// The caller must poll the device first.
     pub(crate) fn status(&self) -> Option<Overflowed> {
         self.has_list.then(|| self.late.peek().0)
     }
 
-    /// Frees what only partial updates need.
+    /// Frees the buffers that only partial updates need.
     pub(crate) fn trim(&mut self) {
         self.scratch = None;
         self.stop_following();
@@ -305,8 +304,8 @@ impl OctreeVolume {
         Ok(needs)
     }
 
-    /// Grows the buffers to what is needed, and some more. What is shown stays. Returns
-    /// `true` if they have grown.
+    /// Grows the buffers to the needed size plus a reserve, and keeps their content. Returns `true`
+    /// if they have grown.
     fn reserve(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -372,7 +371,7 @@ impl OctreeVolume {
         self.stats.clone()
     }
 
-    /// Whether the last list that was followed has overflowed.
+    /// Whether the update to the last list has overflowed.
     #[cfg(test)]
     pub(crate) fn overflows_now(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> bool {
         crate::testing::read::<TreeNeeds>(device, queue, &self.state.needs, 1)[0].overflow != 0
@@ -384,8 +383,8 @@ impl OctreeVolume {
     }
 }
 
-/// Capacity for a count that grows: 25 % and a constant reserve, so that small objects do not need
-/// more when they turn.
+/// Capacity for a count that may grow: 25 % more and a constant reserve, so that small objects do
+/// not overflow when they turn.
 fn with_spare(count: u64) -> u64 {
     count + count / 4 + 256
 }

@@ -1,8 +1,7 @@
-// Whether the new list's nodes and bricks fit the octree's capacities; if so, also where free
-// bricks are from now on. One thread.
+// Decides whether the new list's nodes and bricks fit the octree's capacities; if so, updates the
+// free bricks. One thread.
 //
-// On overflow nothing of the octree is written: it keeps showing the earlier list until it has
-// grown.
+// On overflow the octree is not written: it shows the earlier list until it has grown.
 
 import package::constants::{
     CELL_PARTS, LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS, OVERFLOW_BRICKS, OVERFLOW_PLACES,
@@ -13,7 +12,7 @@ import package::volume::octree::tree::tree;
 
 // Arrays are indexed by the length of a run, 1 to 9; element 0 is not used.
 struct Needs {
-    // Bits OVERFLOW_*; zero: everything fits.
+    // Bits OVERFLOW_*; zero if everything fits.
     overflow: u32,
     // Needed groups of nodes, including the root's.
     groups: u32,
@@ -22,12 +21,12 @@ struct Needs {
     brick_places: u32,
     // Bricks in use.
     bricks: u32,
-    // The first place that was never used by a brick, before this list.
+    // The first place that no brick has ever used, before this list.
     first_place: u32,
     padding_0: u32,
     padding_1: u32,
-    // Workgroups of dispatches over places of nodes, over renewals, and over eight and 27 times as
-    // many.
+    // Workgroups of dispatches over places of nodes, over renewals, and over renewals times 8 and
+    // times 27.
     node_groups: vec3u,
     padding_2: u32,
     renewal_groups: vec3u,
@@ -36,14 +35,14 @@ struct Needs {
     padding_4: u32,
     texel_groups: vec3u,
     padding_5: u32,
-    // Runs that are free before this list, and runs that it needs.
+    // Numbers of runs, by length: free before this list, and needed by it.
     free: array<vec4u, 3>,
     needed: array<vec4u, 3>,
 }
 
 // The places of bricks, kept from list to list.
 struct Places {
-    // The first place that was never used by a brick.
+    // The first place that no brick has ever used.
     first_place: u32,
     // Number of free runs, by length.
     free: array<u32, 10>,
@@ -80,7 +79,7 @@ fn main() {
         let returned = run_starts[(kind + CELL_PARTS + 1u) * blocks] - run_starts[(kind + CELL_PARTS) * blocks];
         now.free[length / 4u][length % 4u] = free[length];
         now.needed[length / 4u][length % 4u] = needed;
-        // Released runs are free from the next list on: until then their values are still read.
+        // Released runs become free with the next list: until then their values are still read.
         now.brick_places += length * (needed - min(needed, free[length]));
         free[length] += returned - min(needed, free[length]);
         idle += length * free[length];

@@ -1,9 +1,8 @@
 // Assigns places to the bricks of renewed nodes.
 //
-// A node with unchanged parts keeps its bricks in place. The others get free runs of exactly the
-// needed length, the last released one first, and runs after all bricks if there are none. Both are
-// assigned in the order of ranks, so that a sequence of lists leads to the same places in every
-// run.
+// A node with unchanged parts keeps its bricks in place. Others get free runs of exactly the needed
+// length, the last released one first, or else runs after all bricks. Both are assigned in the
+// order of ranks, so that a sequence of lists leads to the same places whenever it is repeated.
 
 import package::constants::{CELL_PARTS, LINEAR_WORKGROUP_SIZE, RUN_KINDS};
 import package::gpu::dispatch::linear_index;
@@ -23,8 +22,7 @@ import package::voxels::morton::morton_decode;
 // The run length of each thread of the workgroup.
 var<workgroup> lengths: array<u32, LINEAR_WORKGROUP_SIZE>;
 
-// The start of the stack of a length: there are never more runs of a length than fit behind one
-// another.
+// The start of the stack of a length. A stack has space for as many runs as fit the atlas.
 fn stack_start(length: u32) -> u32 {
     var start = 0u;
     for (var shorter = 1u; shorter < length; shorter++) {
@@ -84,7 +82,7 @@ fn take(
     renewals[index].first_brick = first;
 }
 
-// After all runs are assigned. Removed nodes are also removed from the table.
+// Releases runs after all runs are assigned, and removes removed nodes from the table.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn give_back(
     @builtin(global_invocation_id) invocation: vec3u,

@@ -1,6 +1,6 @@
-// Updates the bricks of renewed nodes after a change of the list. One thread per texel: it copies
-// the cell's values if the brick is new, and writes zeros until the next light update if the cell
-// has changed.
+// Updates the bricks of renewed nodes after a change of the list. One thread per texel copies the
+// cell's value if the brick is new, and writes zeros if the cell has changed, until the next light
+// update.
 
 import package::constants::{BRICK_TEXELS, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;

@@ -11,33 +11,33 @@ struct Renewal {
     // Morton code of the node's coordinates.
     morton: u32,
     level: u32,
-    // 0: the node was removed.
+    // 0 if the node was removed.
     is_there: u32,
-    // Its previous parts; none if it is new.
+    // The node's previous parts; 0 if it is new.
     old_parts: u32,
-    // As in the node (tree.wgsl).
+    // Masks, as in the node (tree.wgsl).
     masks: vec4u,
-    // The first of its bricks: previous and new.
+    // The first of the node's bricks: previous and new.
     old_first_brick: u32,
     first_brick: u32,
     padding_0: u32,
     padding_1: u32,
 }
 
-// Number of bricks that it needs and does not have: all, or none.
+// Number of bricks that the node needs in new places: all of its bricks, or none.
 fn needed_bricks(renewal: Renewal) -> u32 {
     let parts = all_parts(renewal.masks.x);
     return select(countOneBits(parts), 0u, parts == renewal.old_parts);
 }
 
-// Number of bricks that it releases: all, or none.
+// Number of bricks that the node releases: all of its bricks, or none.
 fn returned_bricks(renewal: Renewal) -> u32 {
     return select(countOneBits(renewal.old_parts), 0u, all_parts(renewal.masks.x) == renewal.old_parts);
 }
 
 // A bit per node below the root.
 @group(1) @binding(0) var<storage, read> renewed: array<u32>;
-// One more word: the total.
+// One per word of bits, and the total.
 @group(1) @binding(1) var<storage, read_write> renewed_ranks: array<u32>;
 @group(1) @binding(2) var<storage, read_write> renewals: array<Renewal>;
 

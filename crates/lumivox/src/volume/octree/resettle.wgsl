@@ -1,4 +1,5 @@
-// Copies bricks into a larger atlas, where the same number has another place: one thread per texel.
+// Copies bricks into a larger atlas, in which brick numbers have other places: one thread per
+// texel.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

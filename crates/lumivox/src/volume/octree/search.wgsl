@@ -1,4 +1,4 @@
-// Finding nodes.
+// Finds nodes.
 
 import package::constants::OCTREE_STEPS;
 import package::volume::octree::tree::{
@@ -15,8 +15,8 @@ fn child_towards(node: u32, node_cell: vec3u, below: u32) -> u32 {
 }
 
 // The node at a cell of `level`; if there is none, NONE or a place without a node, which has no
-// parts. The search descends at most OCTREE_STEPS levels from the table, none in small grids: the
-// number is a constant of the grid, so the loop is compiled away there.
+// parts. The search descends at most OCTREE_STEPS levels from the table, a constant of the grid. In
+// small grids it is zero, and the loop is compiled away.
 fn find_node(node_cell: vec3u, level: u32) -> u32 {
     let start_level = max(level, tree.table_level);
     var below = start_level - level;

@@ -3,6 +3,6 @@
 struct Site {
     // Morton code of the node's coordinates.
     morton: u32,
-    // 0: there is no node in this place of its group.
+    // 0 if this place of the group has no node.
     level: u32,
 }

@@ -15,7 +15,7 @@ import package::voxels::list::{Face, faces_in, faces_of};
 @group(1) @binding(7) var<storage, read> faces: array<Face>;
 @group(1) @binding(8) var<storage, read> radiance: array<vec4f>;
 
-// The faces of a lobe, `count` of them from the `first`.
+// Combines `count` faces of a lobe, starting at `first`.
 fn layers_of(first: u32, count: u32) -> Layers {
     var layers = Layers(vec4f(0.0), vec2f(0.0));
     for (var i = first; i < first + count; i++) {

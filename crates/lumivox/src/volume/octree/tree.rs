@@ -46,7 +46,7 @@ impl Capacity {
     }
 }
 
-/// The octree that is shown.
+/// The buffers of the octree that is shown.
 #[derive(Debug)]
 pub(super) struct Tree {
     pub capacity: Capacity,
@@ -56,14 +56,14 @@ pub(super) struct Tree {
     pub octree: Buffer,
     /// `Site` of each slot.
     pub sites: Buffer,
-    /// First places of free runs of bricks.
+    /// First bricks of free runs: a stack for each length.
     pub free_runs: Buffer,
     /// Eight values per brick.
     pub values: Buffer,
     pub atlas: TextureView,
 }
 
-/// Temporary buffers, needed while the octree follows a list.
+/// Temporary buffers for updates to a list.
 #[derive(Debug)]
 pub(super) struct Scratch {
     /// The previous octree.
@@ -78,7 +78,7 @@ impl Tree {
     /// Creates a tree without nodes.
     ///
     /// # Errors
-    /// [`GiError::Limit`] and [`GiError::Budget`] if it does not fit.
+    /// [`GiError::Limit`] and [`GiError::Budget`] if the tree does not fit.
     pub fn new(
         device: &wgpu::Device,
         (grid, layout): (&Grid, &TreeLayout),

@@ -3,8 +3,7 @@
 // A *node* of level L is a cube of 2^L voxels. Its *brick* stores the values of the 2x2x2 cells of
 // level L - 1 in it, and of the next ones along +x, +y and +z: 3x3x3 texels. A trilinear look-up at
 // level l reads the cells from floor(texel - 1/2) on, so the brick of the node that contains this
-// cell has all that it needs. A node exists if any of its 27 cells is occupied: nodes without an
-// own cell exist for their neighbours' sake.
+// cell suffices. A node exists if any of its 27 cells is occupied, even if that is a neighbour's.
 //
 // Nodes are in groups of eight with one child pointer: the children of node n are 8 * children(n) +
 // octant, with x in the lowest bit of the octant. Group 0 contains only the root.
@@ -18,7 +17,7 @@ struct Tree {
     table_level: u32,
     // Words of the table, which comes before the nodes in the buffer.
     table_words: u32,
-    // Capacity in nodes, in groups of eight; places without a node have no site.
+    // Number of places for nodes, in groups of eight; places without a node have no site.
     slots: u32,
     // One over the size of the atlas in texels.
     inverse_size: vec3f,
@@ -36,7 +35,7 @@ struct Tree {
 
 @group(0) @binding(1) var<uniform> tree: Tree;
 
-// No group of children has this number and no search finds this node: it is the root's.
+// Number of no group and no node: it is the root's, which is never a child and never found.
 const NONE: u32 = 0u;
 
 // A node in the buffer: the children's group, the first of its bricks, and eight masks of nine

@@ -1,8 +1,8 @@
 // The values of the cells, from which bricks are filled.
 //
-// A value is four half floats. Each brick of a node has eight values, for the node's own cells,
-// zero if a cell does not have the brick's part. So values stay in place as long as the bricks do,
-// and the children of a cell, which are the own cells of one node, are adjacent. Bricks are only
+// A value is four half floats. Each brick has eight values, for the node's own cells; they are zero
+// if a cell does not have the brick's part. So values stay in place as long as the bricks do, and
+// the children of a cell, which are the own cells of one node, are adjacent. Bricks are only
 // copies, so that no texture is read and written at once.
 
 import package::volume::octree::search::{find_node, node_parts, octree};
@@ -49,7 +49,7 @@ fn load_value(owner: Owner, octant: u32, part: u32) -> vec4f {
     return unpack_value(values[value_place(owner.first_brick, owner.parts, part, octant)]);
 }
 
-// The node must have the part.
+// Stores a value; the node must have the part.
 fn store_value(owner: Owner, octant: u32, part: u32, value: vec4f) {
     values[value_place(owner.first_brick, owner.parts, part, octant)] = pack_value(value);
 }

@@ -1,4 +1,4 @@
-//! The content of bricks, and what cones see of it.
+//! Checks the content of bricks, and what cones see of it.
 
 use glam::UVec3;
 
@@ -27,8 +27,8 @@ fn dense_part(level: &Level, cell: UVec3, part: u32, directionality: Directional
     }
 }
 
-/// Half floats keep 11 bits, and a GPU may round up or down (NVIDIA's round down): each of four
-/// levels errs by at most 2^-10 in one of the two volumes, in proportion.
+/// Half floats have 11 bits, and a GPU may round up or down (NVIDIA's round down): each of four
+/// levels has a relative error of at most 2^-10 in one of the two volumes.
 fn is_near(a: [f32; 4], b: [f32; 4], absolute: f32) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= absolute + b.abs() * 2.0_f32.powi(-8))
 }
@@ -57,7 +57,7 @@ fn bricks_hold_the_cells_of_the_dense_volume_and_their_neighbours() {
                     let cell = 2 * UVec3::from_array(*at) + offset;
                     let expected = dense_part(cells, cell, *part, directionality);
                     let actual = texel(brick, offset);
-                    // Tilts below what a mask counts as one are left out.
+                    // Tilts that are too small for a mask are not stored.
                     let absolute = if part % 3 == 0 { 1.0 / 127.0 } else { 1e-6 };
                     assert!(
                         is_near(actual, expected, absolute),
@@ -72,7 +72,7 @@ fn bricks_hold_the_cells_of_the_dense_volume_and_their_neighbours() {
         let bricks: usize = nodes.values().map(|node| node.bricks.len()).sum();
         let stats = sparse.octree_stats().expect("an octree");
         assert_eq!(stats.bricks as usize, bricks, "each part of a node has one brick");
-        // And nothing is missing: every cell with a lobe has a brick of it.
+        // Nothing is missing: every cell with a lobe has a brick of it.
         let parts: &[u32] =
             if directionality == Directionality::Isotropic { &[0] } else { &[1, 2, 4, 5, 7, 8] };
         for (level, cells) in levels.iter().enumerate() {
@@ -123,7 +123,7 @@ fn revoxelizing_leaves_nothing_of_the_former_octree() {
     let mut reused = voxelize(&gpu, config.clone(), &busy_room().build(&gpu.0)).expect("it fits");
     light(&gpu, &mut reused, 2);
     pollster::block_on(reused.voxelize(&geometry, Timing::Off)).expect("it fits");
-    // The places of bricks differ, which cones see in their last bits.
+    // The places of bricks differ, which affects the last bits of cones' samples.
     light(&gpu, &mut reused, 1);
     let mut fresh = voxelize(&gpu, config, &geometry).expect("it fits");
     light(&gpu, &mut fresh, 1);

@@ -1,4 +1,4 @@
-//! The octree against its definition and against the dense volume.
+//! Compares the octree with its definition and with the dense volume.
 
 mod content;
 mod nodes;

@@ -1,4 +1,4 @@
-//! Which nodes there are, on input made to trip who builds them.
+//! Checks the set of nodes on input that is hard for builders.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +20,7 @@ fn nodes_of(
     (gi, nodes)
 }
 
-/// The nodes are those of the definition.
+/// Asserts that the nodes are those of the definition.
 fn assert_defined(gpu: &(Pipelines, wgpu::Queue), grid: Grid, geometry: &Geometry) -> Gi {
     let (gi, nodes) = nodes_of(gpu, grid, geometry);
     assert_eq!(nodes, expected_nodes(&gpu.0, &gpu.1, &gi));

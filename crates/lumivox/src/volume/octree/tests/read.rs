@@ -14,14 +14,14 @@ use crate::volume::octree::layout::AtlasSize;
 use crate::volume::octree::layout::TreeLayout;
 use crate::volume::octree::tree::Tree;
 
-/// One of its bricks: 27 texels, x fastest.
+/// A brick: 27 texels, x fastest.
 pub(crate) type Brick = [[u16; 4]; 27];
 
 #[derive(Debug, PartialEq)]
 pub(crate) struct ReadNode {
     /// The masks of the eight look-ups.
     pub masks: [u32; 8],
-    /// By part.
+    /// The bricks, by part.
     pub bricks: BTreeMap<u32, Brick>,
 }
 
@@ -32,7 +32,7 @@ fn tree(gi: &Gi) -> (&Tree, &TreeLayout) {
     }
 }
 
-/// All nodes; panics if a node is where it does not belong.
+/// Reads all nodes; panics if a node is in a wrong place.
 pub(crate) fn read_nodes(
     device: &wgpu::Device,
     queue: &wgpu::Queue,

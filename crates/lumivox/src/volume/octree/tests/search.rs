@@ -1,4 +1,4 @@
-//! Searches against the list of what there is.
+//! Compares searches with the list of nodes.
 
 use std::collections::HashSet;
 
@@ -23,8 +23,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     found[id.x] = vec2u(node, node_parts(node));
 }";
 
-/// Searches find each node that is there, and no parts elsewhere.
-/// In a grid of more than 128 voxels the table ends above the finest nodes.
+/// Searches find each node, and no parts elsewhere. In a grid of more than 128 voxels the table
+/// ends above the finest nodes.
 #[test]
 fn searches_find_the_nodes_and_nothing_else() {
     let gpu = device();
