@@ -6,21 +6,21 @@ use glam::{Affine2, Mat3, Mat4, Vec3, Vec4};
 
 use crate::{Gloss, version};
 
-/// A material, as far as it matters for diffuse light in voxels.
+/// The part of a material that affects diffuse light in voxels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceMaterial {
-    /// The share of the light that enters which the surface reflects, 0 to 1, linear RGB;
-    /// multiplied by the texture and the vertices' colours. The voxels reflect it diffusely, so use
-    /// the specular colour for a metal. `w` is the coverage (alpha).
+    /// The share of entering light that the surface reflects, 0 to 1, linear RGB; multiplied by the
+    /// texture and the vertices' colours. The voxels reflect it diffusely, so use the specular
+    /// colour for a metal. `w` is the coverage (alpha).
     pub reflectance: Vec4,
-    /// The light that a dielectric mirrors at its surface instead of letting it enter; none for
-    /// paper, plaster, metals.
+    /// The light that a dielectric mirrors at its surface instead of letting it enter;
+    /// `Gloss::NONE` for paper, plaster and metals.
     pub gloss: Gloss,
-    /// The radiance that the surface emits, in the unit of all radiance; multiplies the texture.
+    /// The radiance that the surface emits, in the unit of all radiance; multiplied by the texture.
     pub emission: Vec3,
-    /// The share of the light that enters the surface and passes straight through instead of being
-    /// reflected, 0 (the default) to 1; multiplied by the texture. A transmissive surface blocks
-    /// `1 - transmission * luminance` of the light, where `luminance` is that of its reflectance.
+    /// The share of entering light that passes straight through instead of being reflected, 0 (the
+    /// default) to 1; multiplied by the texture. A transmissive surface blocks `1 - transmission *
+    /// luminance` of the light, with the luminance of its reflectance.
     pub transmission: f32,
     /// Reflectance, RGBA, with mips, decoded to linear by its format (`Rgba8UnormSrgb`). If
     /// `alpha_is_coverage` is set, its alpha is the covered share of the texel.
@@ -30,15 +30,15 @@ pub struct SurfaceMaterial {
     /// Transmission, in the red channel, with mips.
     pub transmission_texture: Option<SurfaceTexture>,
     /// `true` if alpha is coverage, which scales a surface's area in a voxel. With alpha-tested
-    /// materials, upload alpha already thresholded (0 or 1), so that its mips hold the covered
+    /// materials, upload alpha already thresholded (0 or 1), so that its mips contain the covered
     /// share.
     pub alpha_is_coverage: bool,
     /// `true` if the surface is also visible from behind; otherwise it is visible and lit only from
-    /// the front (counter-clockwise). From behind it is black, and blocks as from the front, unless
-    /// light passes it: by coverage, by transmission, or because it is `open_behind`.
+    /// the front (counter-clockwise). From behind it is black and blocks light, except light that
+    /// passes by coverage, transmission or `open_behind`.
     pub double_sided: bool,
-    /// `true` if light passes a single-sided surface from behind: for stages that are open to a
-    /// side. Default: `false`.
+    /// `true` if light from behind passes through a single-sided surface, as for stages with an
+    /// open side. Default: `false`.
     pub open_behind: bool,
 }
 
@@ -65,10 +65,9 @@ impl Default for SurfaceMaterial {
 pub struct SurfaceTexture {
     /// The image with all its mips.
     pub view: wgpu::TextureView,
-    /// How it is wrapped and filtered.
+    /// The sampler, for wrapping and filtering.
     pub sampler: wgpu::Sampler,
-    /// Which of the vertices' texture coordinates to use, 0 or 1; the first if vertices have no
-    /// second set.
+    /// The vertices' set of texture coordinates, 0 or 1; the first if vertices have no second set.
     pub texcoord_set: u32,
     /// Transform from the vertices' coordinates to the image's.
     pub transform: Affine2,
@@ -84,7 +83,7 @@ impl SurfaceTexture {
 /// A run of triangles with one material and one transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draw {
-    /// The first index, counted from where the batch's indices start ([`Indices::offset`]).
+    /// The first index, counted from the batch's first one ([`Indices::offset`]).
     pub first_index: u32,
     /// Number of indices, a multiple of three; 0 skips the draw, and `first_index` is then ignored.
     pub index_count: u32,
@@ -95,13 +94,13 @@ pub struct Draw {
     /// Transform of positions into the world (affine; a mirroring one flips the front side).
     pub world_from_local: Mat4,
     /// `true` if its triangles do not change while others move: the voxelizer may reuse its results
-    /// for them ([`Gi::voxelize_dynamic`](crate::Gi::voxelize_dynamic)). If all draws have the same
-    /// value, it costs nothing and gains nothing.
+    /// for them ([`Gi::voxelize_dynamic`](crate::Gi::voxelize_dynamic)). It has no effect if all
+    /// draws have the same value.
     pub is_static: bool,
     /// The opposite corners of a box around its positions, before the transform; `None` (the
-    /// default): not known. With cascades, triangles are skipped if their box is outside of what is
-    /// voxelized, and when static draws are added or removed, only the contents of their boxes are
-    /// voxelized again.
+    /// default) if unknown. With cascades, triangles are skipped if their box lies outside of the
+    /// voxelized boxes, and when static draws are added or removed, only the contents of their
+    /// boxes are voxelized again.
     pub bounds: Option<[Vec3; 2]>,
 }
 
@@ -119,7 +118,7 @@ impl Draw {
         }
     }
 
-    /// Its bits, to find equal draws.
+    /// The draw's bits, to find equal draws.
     pub(crate) fn bits(&self) -> [u32; 28] {
         let bounds =
             self.bounds.map(|bounds| bounds.map(|corner| corner.to_array().map(f32::to_bits)));
@@ -133,7 +132,7 @@ impl Draw {
         bits
     }
 
-    /// The opposite corners of a box around it in the world, m; `None` if not known.
+    /// The opposite corners of a box around the draw in the world, m; `None` if unknown.
     pub(crate) fn bounds_in_world(&self) -> Option<[Vec3; 2]> {
         let [low, high] = self.bounds?;
         let linear = Mat3::from_mat4(self.world_from_local).to_cols_array();
@@ -145,8 +144,8 @@ impl Draw {
 
 /// Triangles whose vertices share a set of buffers. All buffers need `BufferUsages::STORAGE`, and
 /// each must fit into one storage binding (`Limits::max_storage_buffer_binding_size`): split larger
-/// ones into batches. One buffer may serve as several of them, as for interleaved vertices and
-/// slabs of meshes.
+/// ones into batches. One buffer may have several uses, as for interleaved vertices and slabs of
+/// meshes.
 ///
 /// ```
 /// # pollster::block_on(async {
@@ -189,7 +188,7 @@ impl Draw {
 pub struct GeometryBatch {
     /// Positions, three `f32` a vertex.
     pub positions: VertexPositions,
-    /// Texture coordinates and colours; needed if a material has a texture. Default: none.
+    /// Texture coordinates and colours; required if a material has a texture. Default: none.
     pub attributes: Option<VertexAttributes>,
     /// Indices, a triangle list; counter-clockwise seen from the front.
     pub indices: Indices,
@@ -253,8 +252,8 @@ impl From<wgpu::Buffer> for Indices {
     }
 }
 
-/// The place of the texture coordinates and colours of vertices in a buffer: the caller's own
-/// layout, as long as numbers are aligned to four bytes.
+/// The place of the texture coordinates and colours of vertices in a buffer, in any layout in which
+/// numbers are aligned to four bytes.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct VertexAttributes {
@@ -287,8 +286,8 @@ impl VertexAttributes {
     }
 }
 
-/// All the triangles of a scene. It notices its changes: every mutable access to its
-/// [`GeometryParts`], to which it dereferences, counts as one.
+/// All the triangles of a scene. It derefs to its [`GeometryParts`]; every mutable access to them
+/// counts as a change.
 ///
 /// ```
 /// # use lumivox::{Geometry, SurfaceMaterial};
@@ -305,7 +304,7 @@ pub struct Geometry {
 /// The triangles and materials of a [`Geometry`].
 #[derive(Clone, Debug, Default)]
 pub struct GeometryParts {
-    /// Triangles by the buffers that hold them.
+    /// Triangles, by buffers.
     pub batches: Vec<GeometryBatch>,
     /// Materials that the draws refer to.
     pub materials: Vec<SurfaceMaterial>,
@@ -334,7 +333,7 @@ impl DerefMut for Geometry {
 }
 
 impl Geometry {
-    /// Triangles by the buffers that hold them, and the materials that their draws refer to.
+    /// Triangles by buffers, and the materials that their draws refer to.
     pub fn new(batches: Vec<GeometryBatch>, materials: Vec<SurfaceMaterial>) -> Self {
         Self { parts: GeometryParts { batches, materials }, version: version::next() }
     }

@@ -1,5 +1,5 @@
-//! Specular reflection of a surface as voxels store it: the reflected share of the light, without
-//! its direction.
+//! Specular reflection of a surface in voxels: the reflected share of the light, without its
+//! direction.
 
 use std::f32::consts::TAU;
 
@@ -8,18 +8,18 @@ use std::f32::consts::TAU;
 /// cosine-weighted measures.
 const ENTERING_FIFTH_POWER: f32 = 0.003_688;
 
-/// Sample counts: for the cosine of the light, and for each of the two numbers that choose a half
+/// Number of samples of the light's cosine, and of each of the two numbers that choose a half
 /// vector.
 const STEPS: usize = 16;
 
-/// Light that a dielectric surface reflects specularly, and that therefore does not enter it, for
-/// faces of voxels.
+/// Light that a dielectric surface reflects specularly, for faces of voxels. This light does not
+/// enter the surface.
 ///
 /// Faces send the same light in all directions, so they store how much a surface reflects but not
 /// where it goes. For light that arrives at the cosine c the share is `mean + grazing ((1 - c)^4 -
 /// 1/15)`, the least-squares fit of that form over light from all around. Black lacquer of
-/// roughness 0.5 reflects 5 % in the mean, and 9 % of a low sun's light at c = 1/3. Without this,
-/// dark and strongly coloured rooms lose that much of their bounced light.
+/// roughness 0.5 reflects 5 % in the mean, and 9 % of a low sun's light at c = 1/3. Without it,
+/// dark and strongly coloured rooms lose as much of their bounced light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gloss {
     /// Reflected share of light from all around, 0 to 1.
@@ -63,7 +63,7 @@ impl Gloss {
         }
     }
 
-    /// Scales this to a surface that covers `share` of the area.
+    /// The gloss of a surface that covers `share` of the area.
     #[must_use]
     pub fn of_share(self, share: f32) -> Self {
         let [mean, grazing, kept_out] = self.to_array().map(|number| number * share);
@@ -151,8 +151,8 @@ mod tests {
         }
     }
 
-    /// From rough to smooth, at angles where a wall is lit, the fit is within 0.01 of the light, or
-    /// within a sixth.
+    /// From rough to smooth, at the angles of light on walls, the fit errs by less than 0.01 of the
+    /// light, or by less than a sixth.
     #[test]
     fn grazing_gloss_grows_like_the_brdf() {
         for roughness in [0.35, 0.5, 0.7, 1.0] {

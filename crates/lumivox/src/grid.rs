@@ -1,4 +1,4 @@
-//! The voxel grid: where it lies in the world, and how its levels halve.
+//! The voxel grid: its place in the world, and its levels.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, UVec3, Vec3};
@@ -12,8 +12,8 @@ pub const MIN_RESOLUTION: u32 = 16;
 /// The largest resolution of the longest axis that the grid's numbering allows.
 pub const MAX_RESOLUTION: u32 = 1024;
 
-/// Voxels kept free on either side of the fitted bounds. The half puts axis-aligned outer walls
-/// into the middle of a voxel: on a boundary, rounding would decide which layer they fall into.
+/// Empty voxels on either side of the fitted bounds. The half puts axis-aligned outer walls into
+/// the middle of a voxel: on a boundary, rounding would decide their layer.
 const MARGIN: f32 = 1.5;
 
 /// A grid of cubic voxels.
@@ -28,10 +28,10 @@ pub struct Grid {
     pub origin_in_world: Vec3,
     /// The edge of a voxel.
     pub voxel_size_m: f32,
-    /// Voxels along each axis, a multiple of `2^(levels - 1)`. With cascades: of the storage of all
-    /// cascades together.
+    /// Voxels along each axis, a multiple of `2^(levels - 1)`. With cascades: voxels in the storage
+    /// of all cascades.
     pub dimensions: UVec3,
-    /// Levels of the pyramid, including the finest. With cascades: levels of each.
+    /// Levels of the pyramid, including the finest. With cascades: levels of each cascade.
     pub levels: u32,
     /// The boxes of a clipmap ([`Grid::cascades`]); `None` for a grid of one box.
     pub cascades: Option<Cascades>,
@@ -42,8 +42,8 @@ impl Grid {
     /// voxels.
     ///
     /// `offset` (in voxels, each component in [0, 1)) shifts the grid against the bounds: errors of
-    /// voxel methods depend on where walls fall, so tests and measurements try several. The other
-    /// axes get as many voxels as they need, rounded up so that every level halves exactly.
+    /// voxel methods depend on the places of walls, so tests and measurements try several offsets.
+    /// The other axes get the necessary voxels, rounded up so that every level halves exactly.
     ///
     /// ```
     /// use glam::Vec3;
@@ -91,7 +91,7 @@ impl Grid {
         let shift = offset.max_element();
         let voxel_size_m = longest / (resolution as f32 - 2.0 * MARGIN - shift);
         let needed = (extent / voxel_size_m + (2.0 * MARGIN) + offset).ceil().as_uvec3();
-        // Rounding may put the longest axis a hair above the resolution.
+        // By rounding, the longest axis may slightly exceed the resolution.
         let needed = needed.min(UVec3::splat(resolution));
         let dimensions = needed.map(|n| n.next_multiple_of(coarsest));
         // The voxels added by rounding up are split between both sides of the shorter axes.
@@ -105,7 +105,7 @@ impl Grid {
         self.dimensions >> level
     }
 
-    /// The edge of the enclosing cube of a level, a power of two: the extent of Morton numbering.
+    /// The edge of the cube that Morton codes of a level cover, a power of two.
     pub fn morton_edge(&self, level: u32) -> u32 {
         self.dimensions.max_element().next_power_of_two() >> level
     }
@@ -120,8 +120,8 @@ impl Grid {
         self.dimensions.as_u64vec3().element_product()
     }
 
-    /// The corner of the grid with the smallest coordinates, in the world, m. With cascades, that
-    /// of the outermost one.
+    /// The corner of the grid with the smallest coordinates, in the world, m. With cascades, the
+    /// corner of the outermost one.
     pub fn min_in_world(&self) -> Vec3 {
         self.cascades.map_or(self.origin_in_world, |_| self.boxes_in_world()[self.last_box()].0)
     }
@@ -170,8 +170,7 @@ impl Grid {
         self.origin_in_world + position * self.voxel_size_m
     }
 
-    /// The uniform that `package::grid` declares, for kernels that do not bind the volume as group
-    /// 0.
+    /// The uniform that `package::grid` declares, for kernels without the volume in group 0.
     pub fn uniform(&self, device: &wgpu::Device) -> Buffer {
         uniform_buffer(device, "grid", &self.to_gpu())
     }

@@ -23,11 +23,11 @@ struct ConeSettings {
 struct Cone {
     origin_in_grid: vec3f,
     direction: vec3f,
-    // Edge of the sampled cells, per distance.
+    // Edge of the sampled cells per distance.
     growth: f32,
     // The cone's length, in voxels.
     reach: f32,
-    // In [0, 1): added to the level before rounding down. 1/2 rounds to the nearest.
+    // Added to the level before rounding down, in [0, 1); 1/2 rounds to the nearest.
     level_offset: f32,
     // The finest level that the cone reads.
     level: u32,
@@ -35,26 +35,27 @@ struct Cone {
 
 struct Traced {
     radiance: vec3f,
-    // The share of the cone that met nothing. In a march it can be negative, down to -SURPLUS,
+    // The share of the cone that hits nothing. In a march it can be negative, down to -SURPLUS,
     // after an oblique wall that counted too much.
     transmittance: f32,
     // The transmittance at the occlusion distance.
     openness: f32,
     samples: u32,
-    // The mean distance of what the cone met, in voxels; the outside counts as far away.
+    // The mean distance of the cone's hits, in voxels; the outside counts as far away.
     distance: f32,
     // The radiance emitted by the face that the cone ends on, whether or not the volume contains
     // emission. A march leaves it at zero.
     emission: vec3f,
-    // The radiance emitted by the face that the cone hits. `emission` is zero if other surface in the
-    // voxel lies between the hit and the point where the face's light is computed.
+    // The radiance emitted by the face that the cone hits. Unlike `emission`, it is not zero if
+    // other surface in the voxel lies between the hit and the point where the face's light is
+    // computed.
     emission_of_face: vec3f,
 }
 
-// Start of cones above a surface, in its voxels.
+// Distance of cones' starts above a surface, in its voxels.
 const START: f32 = 0.05;
 
-// Assumed distance of what is outside the grid, in sides of the grid.
+// Assumed distance of the outside, in sides of the grid.
 const OUTSIDE: f32 = 8.0;
 
 // Minimum growth: even the cone of a perfect mirror reads coarser cells far away, which bounds its

@@ -33,7 +33,7 @@ fn seen_share(
     let origin = grid_from_world(position_in_world) + normal * offset;
     let bits = bitcast<vec3u>(position_in_world);
     let turn = f32(hash(bits.x + hash(bits.y + hash(bits.z))) >> 8u) / 16777216.0;
-    // Aim at the source's surface from where the rays start.
+    // Aim from the rays' start at the source's surface.
     let away = select(direction * reach - normal * offset, direction, reach > 1e30);
     let distance = select(length(away), reach, reach > 1e30);
     let across = basis(normalize(away));
@@ -51,8 +51,8 @@ fn seen_share(
     return seen / f32(rays);
 }
 
-// The width of the samples of the environment, per distance: no sample reaches below the plane that
-// the cone starts from.
+// The width of the environment's samples per distance, limited so that none reaches below the plane
+// that the cone starts from.
 fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> f32 {
     let growth = 2.0 * tan_half_angle * settings.voxel_per_diameter;
     return max(min(growth, MOST_GROWTH * cos_normal), MIN_GROWTH);

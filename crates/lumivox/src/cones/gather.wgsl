@@ -1,5 +1,5 @@
-// Irradiance at a point: the cosine-weighted sum over the cones of the hemisphere, each with a
-// weight of pi / N, plus the environment through their open share.
+// Irradiance at a point: the sum over the N cones of the hemisphere, each with the weight pi / N,
+// plus the environment through their open share.
 
 import package::constants::PI;
 import package::environment::environment_radiance;
@@ -38,7 +38,8 @@ fn gather(
         let place = place_in_cell(jitter, cell, cone_count, settings.model_values);
         let local = cell_cone(cell, cone_count, place);
         var direction = world_from_normal * local.direction;
-        // With a normal map, a part of the hemisphere is below the surface; mirror it up.
+        // With a normal map, a part of the hemisphere is below the surface; mirror directions there
+        // up.
         let below = min(dot(direction, geometric_normal), 0.0);
         direction = direction - 2.0 * below * geometric_normal;
         let growth =

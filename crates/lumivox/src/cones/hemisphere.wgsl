@@ -8,7 +8,7 @@
 import package::gpu::random::sequence_pair;
 
 struct CellCone {
-    // In the frame whose z is the normal; unit length.
+    // The direction in the frame whose z is the normal; unit length.
     direction: vec3f,
     tan_half_angle: f32,
 }
@@ -50,8 +50,8 @@ fn basis(normal: vec3f) -> mat3x3f {
     );
 }
 
-// The position within their cells that the cones of a point use in a frame: the same in all cells,
-// from a sequence of the point's own.
+// The position in its cell of each cone of a point in a frame, from the point's own sequence: the
+// same for all cells.
 fn cell_jitter(start: vec2f, frame: u32) -> vec2f {
     return sequence_pair(start, frame);
 }

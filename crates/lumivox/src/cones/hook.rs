@@ -5,16 +5,15 @@ use std::fmt::Debug;
 
 use crate::settings::SettingError;
 
-/// A model of where cones start and point, and how much each of their samples shows.
+/// A model of cones: their start, their direction, and the share that each sample shows.
 ///
-/// Without a model, cones are rays that hit surfaces exactly. With one, they march through the
-/// cells of the volume, faces gather by such cones, and emission is found by cones instead of by
-/// emitter sampling.
+/// Without a model, cones are rays that hit surfaces exactly. With one, cones of faces and pixels
+/// march through the cells of the volume, and find emission instead of emitter sampling.
 ///
 /// Implement it to distribute the cones of a hemisphere differently, for an artistic falloff of
-/// light, to study the effect of one of Lumivox's measures, or to reproduce published methods. It
-/// applies to the bounces in the voxels and to [`crate::Gi::trace`]. Shadow cones only count
-/// coverage, which it does not change.
+/// light, to study one of Lumivox's methods, or to reproduce published ones. It applies to the
+/// bounces in the voxels and to [`crate::Gi::trace`], but not to shadow cones, which only count
+/// coverage.
 pub trait ConeModel: Any + Debug + Send + Sync {
     /// The name; models with the same name must have the same module.
     fn name(&self) -> &'static str;
@@ -24,7 +23,7 @@ pub trait ConeModel: Any + Debug + Send + Sync {
     /// `package::cones::hemisphere`.
     fn module(&self) -> &'static str;
 
-    /// The values that its functions receive as `values`. [`crate::Gi::set_cone_values`] changes
+    /// The argument `values` of the module's functions. [`crate::Gi::set_cone_values`] changes
     /// them. Default: zeros.
     fn values(&self) -> [f32; 4] {
         [0.0; 4]

@@ -3,28 +3,28 @@
 //
 // The step size is the size of the cells that the cone reads: at distance t, about v = max(1,
 // growth * t). Levels are powers of two, so the level is chosen at random: each cone rounds log2(v)
-// up or down by a number that it draws once. The mean over cones and frames is then that of
-// interpolation between the levels, for half the look-ups. Steps are as long as the cells, so the
+// up or down by a number that it draws once. The mean over cones and frames then equals
+// interpolation between levels, with half the look-ups. Steps are as long as the cells, so the
 // filter's weights along the cone, and with them a wall's coverage, add up to one at every level.
 //
 // A cone changes to a coarser level only where both levels are empty nearby. From level to level a
 // wall moves by half a cell, since it is in the middle of its cell. A change of level within the
 // wall's reach would count parts of it twice or not at all, and the missing parts leak (12 % of the
 // light of a closed box with a growth of 0.2, against 1.7 % with this rule). On the coarser level
-// walls beside the cone count, too: its cells would reach past them, to the end of the wall at the
+// walls beside the cone count, too: its cells could reach past them, to the end of the wall at the
 // cone's end.
 //
 // A cell of edge c that covers the share a of its cross-section absorbs da = min(a * step / c, T)
 // of the remaining transmittance T and adds its radiance times da. The sum is additive, like the
 // pyramid: coverage comes from clipping, so the pieces of a wall add up to one.
 //
-// They add up exactly only for walls along the grid. An oblique wall climbs the grid in steps, and
-// a ray that crosses it near a step meets it twice or misses parts: its coverage scatters about one
-// (standard deviation 0.15, mean 1.00 in a rotated furnace). If the sum were capped at one, the
-// surplus of some rays would be lost and the deficit of others would leak: 5 % of the light of a
-// closed room. So at an oblique wall T may fall to -SURPLUS. Light from farther away, past a gap or
-// from outside, pays the surplus back: it counts negative until T is zero again. In the mean over
-// cones that cancels the leaks.
+// The pieces add up exactly only for walls along the grid. An oblique wall climbs the grid in
+// steps, and a ray that crosses it near a step meets it twice or misses parts: its coverage
+// scatters about one (standard deviation 0.15, mean 1.00 in a rotated furnace). If the sum were
+// capped at one, the surplus of some rays would be lost and the deficit of others would leak: 5 %
+// of the light of a closed room. So at an oblique wall T may fall to -SURPLUS. Light from farther
+// away, past a gap or from outside, pays the surplus back: it counts negative until T is zero
+// again. In the mean over cones that cancels the leaks.
 
 import package::cascades::{finest_level, level_count, outer_high, outer_low};
 import package::cones::cone::{Cone, ConeSettings, MIN_GROWTH, OUTSIDE, Traced};
@@ -33,13 +33,13 @@ import package::constants::{LEAST_SURPLUS, SURPLUS};
 import package::grid::grid_from_world;
 import package::volume::{is_clear, is_empty, is_oblique, probe_volume, sample_probe, Probe};
 
-// Distance to a cascade's border, in its voxels, from which a cone changes to the next cascade at
+// Within this distance of a cascade's border, in its voxels, a cone changes to the next cascade at
 // the first empty place; each cone draws a factor of 1 to 2.
 const CASCADE_BORDER: f32 = 3.0;
 
-// Whether the remaining transmittance is negligible. The threshold is smaller for a surplus: it
-// pays for light that other cones let through, and if it were dropped as early, rotated rooms would
-// get more light from outside, not less.
+// Whether the remaining transmittance is negligible. The threshold is smaller for a surplus, which
+// pays for light that other cones let through: if it were dropped as early, rotated rooms would get
+// more light from outside.
 fn is_spent(transmittance: f32, settings: ConeSettings) -> bool {
     return transmittance <= settings.min_transmittance
         && transmittance >= -min(settings.min_transmittance, LEAST_SURPLUS);
@@ -53,8 +53,8 @@ fn cone_start(position_in_world: vec3f, normal: vec3f, level: u32, settings: Con
     return start_of_cones(above, normal, level, settings.model_values);
 }
 
-// The growth of a cone with a half angle that leaves a surface at a cosine to its normal: cells
-// stay at `voxel_per_diameter` of the diameter, and clear of the plane that the cone starts from.
+// The growth of a cone by its half angle and its cosine to the surface's normal: cells are
+// `voxel_per_diameter` of the diameter, but do not reach the plane that the cone starts from.
 fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> f32 {
     var growth = 2.0 * tan_half_angle * settings.voxel_per_diameter;
     if settings.clearance > 0.0 {
@@ -63,7 +63,7 @@ fn cone_growth(tan_half_angle: f32, cos_normal: f32, settings: ConeSettings) -> 
     return max(growth, MIN_GROWTH);
 }
 
-// The part of the transmittance that a sample absorbs; negative while a surplus is paid back.
+// The transmittance that a sample absorbs; negative while a surplus is paid back.
 fn taken_by(covered: f32, transmittance: f32, may_exceed: bool, pays_back: bool) -> f32 {
     if pays_back {
         return -min(covered, -transmittance);
@@ -89,13 +89,13 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     var length = 0.0;
     var cell = smallest_cell;
     var is_inside = reach > 0.0;
-    // `may_exceed`: this surface is oblique. `pays_back`: it is no longer the one that made the
-    // surplus.
+    // `may_exceed`: the sampled surface is oblique. `pays_back`: it is not the surface that made
+    // the surplus.
     var may_exceed = false;
     var pays_back = false;
     loop {
-        // Skip empty space, probe by probe. The inner loop suits wide machines: their lanes leave
-        // it one by one and then sample together, instead of waiting for each other at every step.
+        // Skip empty space, probe by probe. On wide machines, lanes leave this inner loop one by
+        // one and then sample together, instead of waiting for each other at every step.
         var probe: Probe;
         loop {
             let near = clamp(cone.growth * distance, smallest_cell, largest_cell);
@@ -103,11 +103,11 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
                 clamp(cone.growth * (distance + 0.5 * near), smallest_cell, largest_cell);
             let next = cone.origin_in_grid
                 + cone.direction * (distance + 0.5 * settings.step_per_voxel * exp2(f32(level)));
-            // At a cascade's end, whether anything is near or not.
+            // Change cascades at a cascade's end in any case.
             level = finest_level(next, level, 0.5);
             let wanted_level = max(
                 min(u32(log2(wanted) + cone.level_offset), levels - 1u),
-                // Shortly before, only in empty space; each cone at a different distance.
+                // Before the end, change only in empty space, each cone at another distance.
                 finest_level(next, level, CASCADE_BORDER * (1.0 + cone.level_offset)),
             );
             cell = exp2(f32(level));

@@ -1,6 +1,5 @@
-//! Cones: their start, their distribution over a hemisphere, the rays that they consist of, and
-//! their settings. With a caller's own [`ConeModel`], which decides where they start and point and
-//! how much their samples show, they march through cells instead.
+//! Cones: their start, their distribution over a hemisphere, their rays, and their settings. With a
+//! caller's own [`ConeModel`], cones march through cells instead.
 //!
 //! The bounces in the voxels (`light/bounce.wgsl`), shadow cones and the cones from the screen
 //! (`trace/`) use these modules.
@@ -17,12 +16,12 @@ use crate::gpu::ShaderLibrary;
 pub use hook::ConeModel;
 pub use settings::{Preset, TraceResolution, TraceSettings};
 
-/// Maximum surplus of an oblique wall that is treated as scatter, as opacity; a larger one is a
+/// Maximum surplus of opacity of an oblique wall that counts as scatter; a larger surplus is a
 /// second surface. If this is smaller, more light leaks; if larger, surfaces right behind others
-/// count and darken those farther away.
+/// count and darken farther ones.
 const SURPLUS: f32 = 0.1;
 
-/// The smallest surplus that is paid back.
+/// Minimum surplus that is paid back.
 const LEAST_SURPLUS: f32 = 0.03;
 
 /// Defines the constants that Rust and the shaders of this folder share.
@@ -30,8 +29,8 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library.constant_f32("SURPLUS", SURPLUS).constant_f32("LEAST_SURPLUS", LEAST_SURPLUS);
 }
 
-/// Mounts the methods, a march or exact hits: of cones as `package::cones::trace_method`, of faces
-/// as `package::light::gather_method`, and of pixels as `package::trace::gather_method`.
+/// Adds the methods for a march or for exact hits: of cones as `package::cones::trace_method`, of
+/// faces as `package::light::gather_method`, and of pixels as `package::trace::gather_method`.
 pub(crate) fn mount(shaders: &mut ShaderLibrary, marches: bool) {
     let methods = if marches {
         ["cones::march", "light::gather_cones", "trace::by_cones"]

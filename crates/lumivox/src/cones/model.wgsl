@@ -1,12 +1,12 @@
-// The cone model: where cones start and point, and how much each of their samples shows.
+// The cone model: the start and direction of cones, and the share that each sample shows.
 //
 // This is the physical model, which ignores `values`. A caller's own model (`hooks::ConeModel`)
 // replaces it as `package::cones::model`, with the same functions and its own `values`.
 
 import package::cones::start::clear_of_walls;
 
-// The position within its cell of the hemisphere, in [0, 1)^2, at which a diffuse cone points;
-// `drawn` is the position that the frame drew.
+// The position in its cell of the hemisphere, in [0, 1)^2, of a diffuse cone's direction; `drawn`
+// is the position that the frame drew.
 fn place_in_cell(drawn: vec2f, cell: u32, cell_count: u32, values: vec4f) -> vec2f {
     return drawn;
 }
@@ -25,8 +25,8 @@ fn start_of_cones(above: vec3f, normal: vec3f, level: u32, values: vec4f) -> vec
 
 // The share of a cone that shows a sample's radiance. `taken` is the part of the remaining
 // transmittance that the sample absorbs, negative if it pays a surplus back (`march.wgsl`). `level`
-// is the level of the sampled cells, `width` the cone's diameter there in longest sides of the
-// grid.
+// is the level of the sampled cells, `width` the cone's diameter there divided by the grid's
+// longest side.
 fn shown_share(taken: f32, transmittance: f32, level: u32, width: f32, values: vec4f) -> f32 {
     return taken;
 }

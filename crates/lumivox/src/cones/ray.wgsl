@@ -5,7 +5,7 @@
 // that the face covers. A plane has no holes from voxel to voxel, so nothing leaks through a wall,
 // whatever its angle and thickness, and nothing behind a hit counts.
 //
-// A surface is seen from its front, in the light of the visible side (side.wgsl). A single-sided
+// A surface is visible from its front, in the light of the visible side (side.wgsl). A single-sided
 // surface also blocks from behind, and is black there, unless light passes through it.
 
 import package::cascades::{
@@ -22,10 +22,10 @@ import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_encode;
 
 // The distance past a voxel's end, in edges, at which a ray looks for the next voxel, so that
-// rounding cannot keep it in the first one. Less than the tolerance of hits.
+// rounding cannot keep it in the first one. It is less than BEYOND.
 const NUDGE = 0.001;
 
-// The minimum of that distance as a share of the distance travelled: a few rounding errors.
+// The minimum of that distance as a share of the travelled distance: a few rounding errors.
 const LEAST_NUDGE = 1e-6;
 
 // Step limit; only a ray that creeps along a border reaches it.
@@ -34,8 +34,8 @@ const MOST_STEPS = 8192u;
 // How far past the end of a voxel a ray may hit its faces, in edges.
 const BEYOND = 0.05;
 
-// Distance from its start up to which a ray may meet its own surface from behind, in voxels: planes
-// lie beside a curved surface.
+// Distance from its start within which a ray ignores surfaces from behind, in voxels: planes lie
+// beside their curved surface.
 const OWN = 1.0;
 
 // The first surface on a ray.
@@ -48,14 +48,14 @@ struct Hit {
     struck: u32,
 }
 
-// Whether a ray passes through a face with holes: drawn at random, so that rays of all directions
-// pass in proportion.
+// Whether a ray passes through a face with holes, drawn at random: the share of holes passes.
 fn passes(direction: vec3f, face: u32, holes: u32) -> bool {
     let bits = bitcast<vec3u>(direction);
     return (hash(bits.x + hash(bits.y + hash(bits.z + hash(face)))) >> 16u) * 255u < holes << 16u;
 }
 
-// Intersects the faces of a voxel with its corner at the origin and an edge of 1, up to a distance.
+// Intersects the faces of a voxel, which has its corner at the origin and an edge of 1, up to a
+// distance.
 fn hit_faces(
     entry: u32,
     origin: vec3f,
@@ -83,7 +83,7 @@ fn hit_faces(
                 let struck = select(face, BLACK, is_back);
                 hit = Hit(distance, struck, plane.is_parted && !is_back, struck);
             } else if all(point >= vec3f(0.0)) && all(point < vec3f(1.0)) {
-                // Outside of this voxel the hole counts in the next one.
+                // A hole outside of this voxel counts in the next one.
                 (*passed).share *= f32(plane.holes) / 255.0;
             }
         }
@@ -101,12 +101,12 @@ struct Ray {
 
 // The voxels and holes that a ray has passed.
 struct Passed {
-    // Voxels and blocks.
+    // Number of voxels and blocks.
     steps: u32,
-    // `true`: each face with holes is passed or hit at random. `false`: all are passed, each with
-    // its share of the light.
+    // `true` to pass or hit each face with holes at random; `false` to pass all of them, with the
+    // light's share through each.
     draws: bool,
-    // The product of these shares.
+    // The product of the shares.
     share: f32,
 }
 
@@ -115,7 +115,7 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     let high = outer_high();
     let inverse = 1.0 / select(ray.direction, vec3f(1e-20), abs(ray.direction) < vec3f(1e-20));
     let is_forward = inverse > vec3f(0.0);
-    // From where the ray enters the grid.
+    // The ray starts where it enters the grid.
     let to_low = (low - ray.origin_in_grid) * inverse;
     let to_high = (high - ray.origin_in_grid) * inverse;
     let enter = min(to_low, to_high);
@@ -132,12 +132,13 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     var voxel = vec3i(0);
     var cascade = 0u;
     var entry = 0u;
-    // The voxel coordinates behind a voxel's wall, known across that wall regardless of rounding.
+    // The coordinate of the next voxel across a wall of this one, known exactly in spite of
+    // rounding.
     var is_known = vec3<bool>(false);
     var known = vec3i(0);
     while is_inside {
-        // Skip empty space. The inner loop suits wide machines: their lanes leave it one by one,
-        // and then look at faces together.
+        // Skip empty space. On wide machines, lanes leave this inner loop one by one and then test
+        // faces together.
         var place = 0u;
         var before = 0u;
         var next = distance;
@@ -156,7 +157,7 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             let word = code / 32u;
             let block = code / 512u;
             let bits = index[2u * word];
-            // Blocks of 2 x 2 x 2 are a byte, of 4 x 4 x 4 two words.
+            // Blocks of 2 x 2 x 2 are a byte of bits, of 4 x 4 x 4 two words.
             var step = select(1, 2, ((bits >> (code & 24u)) & 0xffu) == 0u);
             if (index[blocks + block / 32u] & (1u << (block % 32u))) == 0u {
                 step = 8;
@@ -165,14 +166,14 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             }
             var corner = voxel & vec3i(-step);
             if CASCADES > 0u && (any(corner < lowest) || any(corner + step > lowest + size)) {
-                // The block wraps around in the store and includes cells of the box's other end.
+                // The block wraps around in storage and includes cells of the box's other end.
                 corner = voxel;
                 step = 1;
             }
             let wall = select(vec3f(corner), vec3f(corner + step), is_forward) * edge;
             let walls = (wall - ray.origin_in_grid) * inverse;
             let least = min(walls.x, min(walls.y, walls.z));
-            // Voxel sizes differ between boxes, so the ray itself has to advance.
+            // Voxel sizes differ between boxes, so `distance` must grow.
             next = max(least, distance + select(0.0, nudge, CASCADES > 0u));
             is_known = (walls == vec3f(least)) & vec3<bool>(CASCADES == 0u);
             known = select(corner - 1, corner + step, is_forward);

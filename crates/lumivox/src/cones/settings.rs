@@ -1,9 +1,9 @@
-//! Settings of the cones, in one type: units, ranges, and neutral defaults.
+//! Settings of the cones: units, ranges, and neutral defaults.
 
 use crate::GiError;
 use crate::settings::{self, Choice, Choices, Kind, Redoes, Setting, Value};
 
-/// Quality against cost of the cones. All presets obey the same physics; they differ in noise and
+/// Quality and cost of the cones. All presets have the same physics; they differ in noise and
 /// sharpness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preset {
@@ -18,7 +18,7 @@ pub enum Preset {
     High,
 }
 
-/// The share of the picture's pixels for which cones are traced.
+/// The pixels for which cones are traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TraceResolution {
     /// Every pixel.
@@ -57,8 +57,8 @@ pub struct TraceSettings {
     /// Lower is sharper and noisier. In marched cones, also the edge of the sampled voxels.
     pub voxel_per_diameter: f32,
     /// In marched cones ([`crate::hooks::ConeModel`]), the maximum growth of the sampled voxels,
-    /// per metre travelled and per cosine to the normal: the footprint stays clear of the plane
-    /// that the cone starts from. 0 (off) or 0.1 to 1; default 1/3.
+    /// per metre and per cosine to the normal, so that they do not reach the plane that the cone
+    /// starts from. 0 (off) or 0.1 to 1; default 1/3.
     pub clearance: f32,
     /// In marched cones, the distance of their start above the surface, along its normal, in
     /// voxels, 0 to 4; default 0.5.
@@ -67,9 +67,9 @@ pub struct TraceSettings {
     /// to 1; default 1.
     pub step_per_voxel: f32,
     /// Marched cones end when less than this share of light is left, 0 to 0.25; default 0.15. The
-    /// rest of the cone is assumed to look like what it met.
+    /// rest is assumed to look like the surfaces so far.
     pub min_transmittance: f32,
-    /// Whether glossy cones are traced.
+    /// `true` to trace glossy cones.
     pub specular: bool,
     /// Width of a glossy cone: the share of the lobe's solid angle that one frame's cone covers,
     /// 0.02 to 1; default 0.25. Frames draw different directions of the lobe, so their mean covers
@@ -80,8 +80,8 @@ pub struct TraceSettings {
     pub occlusion_distance_m: f32,
     /// Resolution of the trace.
     pub resolution: TraceResolution,
-    /// `true` to reuse light of earlier frames, reprojected with the surfaces that it is on; off by
-    /// default. For moving pictures: each frame then has the noise of many frames' mean.
+    /// `true` to reuse light of earlier frames, reprojected with its surfaces; off by default. For
+    /// moving pictures: each frame then has the noise of many frames' mean.
     pub temporal: bool,
 }
 
@@ -271,8 +271,7 @@ const UNLIMITED: &str = "unlimited";
 /// Base of rows whose changes relight the voxels.
 const CONES: Setting<TraceSettings> = Setting { redoes: Redoes::Light, ..Setting::ROW };
 
-/// Base of rows whose changes relight the voxels only if their light is gathered by marched cones,
-/// as the picture's is.
+/// Base of rows whose changes relight the voxels only if cones march.
 const MARCHED: Setting<TraceSettings> = Setting { redoes: Redoes::MarchedLight, ..Setting::ROW };
 
 /// The value of a row that only has numbers.

@@ -10,14 +10,13 @@ import package::volume::beside::{
 };
 import package::volume::patch::{NOTHING, UNLIT};
 
-// Maximum number of voxels to look at from the hit's, one axis step each: as many as surfaces
-// separate at a corner.
+// Maximum number of steps to other voxels, along one axis each: as many as walls meet at a corner.
 const MOST_VOXELS = 3u;
 
 const SAME_PLANE = Likeness(0.98, 0.05);
 
-// The face whose light is shown at a point of a face, in the coordinates of its voxel; UNLIT if
-// there is none nearby.
+// The face whose light is shown at a point of a face; UNLIT if there is none nearby. The point is
+// in the coordinates of the voxel.
 fn face_seen_at(hit: u32, hit_entry: u32, hit_point: vec3f, hit_voxel: vec3i, cascade: u32) -> u32 {
     var face = hit;
     var entry = hit_entry;

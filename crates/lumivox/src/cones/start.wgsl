@@ -1,19 +1,18 @@
-// Starts of cones, clear of walls whose samples there would be wrong.
+// Moves starts of cones away from walls that would be sampled wrongly there.
 //
-// A wall affects samples within one voxel of the middle of its cells: they contain it. A cone that
-// starts within that reach counts a part of the wall wrongly:
+// A wall affects samples within one voxel of the middle of its cells. A cone that starts within
+// that reach counts a part of the wall wrongly:
 //
-// - of a wall beside it, a part of the coverage is behind the start, and light beyond the wall
-//   shines through: a floor along a wall of 5 mm was lit by the next room, up to ten times too
-//   bright;
+// - of a wall beside it, a part of the coverage is behind the start, and light from beyond leaks:
+//   the next room made a floor along a wall of 5 mm up to ten times too bright;
 // - of the back of its own wall, if both sides are in one voxel, a part is in front of the start:
-//   light of the other side.
+//   the cone sees light of the other side.
 //
 // Across a wall of full coverage the filter is a tent, so the sampled coverage gives the distance
 // to its end. The tent is centred on the wall's cells, and the wall can be anywhere in them: a
-// start between the two is in front of the wall and beyond the middle. The side on which the wall
-// is seen then decides the way out. For a wall seen on both sides, the surface below the start
-// decides: a floor ends at the wall and continues where the start is.
+// start between the two is in front of the wall but beyond the middle. The way out is then to the
+// wall's visible side. If both are visible, the surface below the start decides: a floor ends at
+// the wall and continues on the start's side.
 
 import package::volume::wall_coverage;
 
@@ -23,7 +22,7 @@ fn main_axis(normal: vec3f) -> u32 {
     return select(select(2u, 1u, size.y >= size.z), 0u, size.x >= size.y && size.x >= size.z);
 }
 
-// A share of a voxel's surface that is significant.
+// Minimum increase of coverage that is significant.
 const NOTICEABLE: f32 = 0.25;
 
 // The distance along an axis to where a wall no longer affects samples, given the samples of its
@@ -42,8 +41,8 @@ fn way_out(here: vec2f, rise: f32, own_rise: f32) -> f32 {
     return -sign(rise) * felt;
 }
 
-// A start above a surface, in the grid's coordinates, moved to where no such wall affects samples.
-// `level` is the level of the surface's voxels.
+// Moves a start above a surface, in the grid's coordinates, out of the reach of such walls. `level`
+// is the level of the surface's voxels.
 fn clear_of_walls(start: vec3f, normal: vec3f, level: u32) -> vec3f {
     let voxel = exp2(f32(level));
     let own_axis = main_axis(normal);

@@ -1,4 +1,4 @@
-//! Rays and the march against twins on the CPU, and the hemisphere's cells against integrals.
+//! Compares rays and the march with twins on the CPU, and the hemisphere's cells with integrals.
 
 use std::sync::Arc;
 
@@ -54,7 +54,7 @@ fn is_spent(transmittance: f32, settings: &TraceSettings) -> bool {
     (least..=settings.min_transmittance).contains(&transmittance)
 }
 
-/// As in `model.wgsl`: of what is taken, the transmittance that is left, the level and the width.
+/// `shown_share` of `model.wgsl`, of the absorbed and the remaining transmittance, level and width.
 type ShownShare = fn(f32, f32, u32, f32) -> f32;
 
 /// The volume read back.
@@ -107,7 +107,7 @@ impl VolumeTwin {
         sum
     }
 
-    /// The lobes that the 2x2x2 cells of a look-up have, and the axes on which one of them is
+    /// The lobes of the 2x2x2 cells of a look-up, and the axes on which one of these lobes is
     /// tilted.
     fn near(&self, position: Vec3, level: u32) -> ([bool; 6], [bool; 3]) {
         let cells = &self.levels[level as usize];
@@ -130,7 +130,7 @@ impl VolumeTwin {
         (present, tilted)
     }
 
-    /// Whether a look-up meets no lobe.
+    /// `true` if the cells of a look-up have no lobe.
     fn is_clear(&self, position: Vec3, level: u32) -> bool {
         self.near(position, level).0.iter().all(|is_present| !is_present)
     }
@@ -210,7 +210,7 @@ impl VolumeTwin {
     }
 }
 
-/// A few hundred cones from all over the room, and from outside it, in all directions and widths.
+/// A few hundred cones from all over the room and from outside, of all directions and widths.
 fn cones(grid: &Grid) -> Vec<ConeIn> {
     let mut state = 1_u64;
     let mut random = move || {
@@ -240,7 +240,7 @@ fn cones(grid: &Grid) -> Vec<ConeIn> {
         .collect()
 }
 
-/// A room with light, and what cones found in it.
+/// A room with light, and the results of its cones.
 struct Traced {
     gi: Gi,
     cones: Vec<ConeIn>,
@@ -275,7 +275,7 @@ fn trace(device: &Pipelines, queue: &wgpu::Queue, config: GiConfig) -> Traced {
     Traced { gi, cones, found: traced }
 }
 
-/// Rays against all faces, one after another.
+/// Rays that test all faces, one after another.
 struct RayTwin {
     grid: Grid,
     faces: Vec<FaceRecord>,
@@ -283,7 +283,7 @@ struct RayTwin {
 }
 
 impl RayTwin {
-    /// Radiance and the share that meets nothing, as `trace_cone` of `exact.wgsl`.
+    /// Radiance and the share that hits nothing, like `trace_cone` of `exact.wgsl`.
     fn trace(&self, ray: &ConeIn) -> Vec4 {
         let (origin, direction) = (Vec3::from(ray.origin), Vec3::from(ray.direction));
         let mut nearest = (ray.reach, Vec4::W);
@@ -334,7 +334,7 @@ fn gpu_rays_match_the_cpu_twin() {
         faces: read(&device, &queue, &list.faces, count),
         radiance: read(&device, &queue, radiance, count),
     };
-    // Rounding decides where a ray meets the border of the part that a face covers.
+    // At the border of a face's cover, rounding decides whether a ray hits.
     let (mut blocked, mut open, mut different) = (0, 0, 0);
     for (ray, traced) in cones.iter().zip(&traced) {
         let expected = twin.trace(ray);
@@ -349,7 +349,7 @@ fn gpu_rays_match_the_cpu_twin() {
     assert!(different <= cones.len() / 100, "{different} of {} rays differ", cones.len());
 }
 
-/// A model that is not the physics: samples of coarse levels show more, those of wide cones less.
+/// An unphysical model: samples of coarse levels show more, those of wide cones less.
 #[derive(Debug)]
 struct Stylized;
 

@@ -7,9 +7,8 @@ use crate::GiError;
 use crate::gpu::note_wait;
 use crate::gpu::{Buffer, Recorder};
 
-/// A storage buffer with room for at least one element (WebGPU has no empty bindings), initialized
-/// with zeros. It supports copies in both directions, and can store the arguments of an indirect
-/// dispatch.
+/// A zeroed storage buffer for at least one element, since WebGPU does not allow empty bindings. It
+/// supports copies in both directions, and arguments of indirect dispatches.
 pub fn storage_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> Buffer {
     let descriptor = wgpu::BufferDescriptor {
         label: Some(label),
@@ -23,7 +22,7 @@ pub fn storage_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> Buffer 
     Buffer::new(device, &descriptor)
 }
 
-/// A zeroed buffer for numbers that the GPU counts and then reads as uniforms and as arguments of
+/// A zeroed buffer for counts that the GPU writes and then reads as uniforms and arguments of
 /// dispatches.
 pub(crate) fn counted_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> Buffer {
     let descriptor = wgpu::BufferDescriptor {
@@ -40,7 +39,7 @@ pub(crate) fn counted_buffer(device: &wgpu::Device, label: &str, bytes: u64) -> 
 }
 
 /// Number of recordings whose content a [`Staged`] buffer stores separately; must exceed the number
-/// that are recorded before one of them is submitted.
+/// of recordings before one of them is submitted.
 const STAGES: u64 = 4;
 
 /// A storage or uniform buffer that each recording sets; recordings that are not submitted yet keep
@@ -50,7 +49,7 @@ pub(crate) struct Staged {
     buffer: Buffer,
     stages: Buffer,
     next: u64,
-    /// `false` if the device was already lost: `Queue::write_buffer` would panic.
+    /// `false` if the device was already lost: `Queue::write_buffer` would panic then.
     exists: bool,
 }
 
@@ -77,7 +76,7 @@ impl Staged {
         &self.buffer
     }
 
-    /// Sets the first bytes for everything recorded from here on.
+    /// Sets the first bytes for later commands.
     pub fn set(&mut self, recorder: &mut Recorder<'_>, bytes: &[u8]) {
         if !self.exists {
             return;
@@ -95,8 +94,8 @@ pub fn uniform_buffer<T: Pod>(device: &wgpu::Device, label: &str, content: &T) -
     filled_buffer(device, label, bytemuck::bytes_of(content), usage)
 }
 
-/// A buffer with the given content, which must not be empty. On a lost device it stays without
-/// content, where wgpu's own `create_buffer_init` panics.
+/// A buffer with the given content, which must not be empty. On a lost device it has no content,
+/// whereas wgpu's own `create_buffer_init` panics.
 pub fn filled_buffer(
     device: &wgpu::Device,
     label: &str,
@@ -191,15 +190,15 @@ pub(crate) async fn map_and_copy<T: Pod>(
     Ok(values)
 }
 
-/// Waits until a queue has finished all submitted work. Browsers complete it by themselves;
-/// elsewhere the device must be polled.
+/// Waits until a queue has finished all submitted work. Except in browsers, the device must be
+/// polled.
 pub async fn submitted_work_done(queue: &wgpu::Queue) {
     let (sender, receiver) = oneshot();
     queue.on_submitted_work_done(move || sender.send(()));
     receiver.await;
 }
 
-/// Sender and receiver of a value that a callback delivers to a future.
+/// A channel by which a callback delivers one value to a future.
 fn oneshot<T: Send + 'static>() -> (Sender<T>, Receiver<T>) {
     let shared = std::sync::Arc::new(std::sync::Mutex::new(Slot { value: None, waker: None }));
     (Sender(shared.clone()), Receiver(shared))

@@ -17,12 +17,12 @@ enum Handle {
 }
 
 impl Held {
-    /// Keeps the resources of a bind group.
+    /// Adds the resources of a bind group.
     pub(super) fn group(&mut self, group: &BindGroup) {
         self.0.push(Handle::Group(group.kept().clone()));
     }
 
-    /// Keeps buffers or textures.
+    /// Adds buffers or textures.
     pub(super) fn keep(&mut self, kept: impl IntoIterator<Item = Kept>) {
         self.0.extend(kept.into_iter().map(Handle::One));
     }
@@ -32,7 +32,7 @@ impl Held {
         self.0.clear();
     }
 
-    /// Moves everything into the encoder, which releases it when its work is done on the GPU, or
+    /// Moves everything into the encoder, which releases it when the GPU has finished its work, or
     /// when it is dropped without being submitted.
     pub(super) fn hand_to(self, encoder: &wgpu::CommandEncoder) {
         if self.0.is_empty() {
@@ -48,8 +48,8 @@ impl Held {
     }
 }
 
-/// Keeps handles on the thread that recorded them: callbacks must be `Send`, and in browsers no
-/// handle may leave its thread.
+/// Stores handles on the thread that recorded them: callbacks must be `Send`, and in browsers
+/// handles may not leave their thread.
 #[cfg(target_arch = "wasm32")]
 mod here {
     use std::cell::RefCell;
@@ -64,7 +64,7 @@ mod here {
     /// Releases a deposit when it is dropped.
     pub(super) struct Ticket(u64);
 
-    /// Keeps handles until their ticket is dropped.
+    /// Stores handles until their ticket is dropped.
     pub(super) fn deposit(held: Held) -> Ticket {
         DEPOSITS.with_borrow_mut(|(number, deposits)| {
             *number += 1;
@@ -75,7 +75,7 @@ mod here {
 
     impl Drop for Ticket {
         fn drop(&mut self) {
-            // When the thread ends, the deposits are already gone.
+            // While the thread ends, the deposits may already be dropped.
             let _ = DEPOSITS.try_with(|deposits| deposits.borrow_mut().1.remove(&self.0));
         }
     }
@@ -98,7 +98,7 @@ mod tests {
         let source = upload(&device, "source", &[7_u32; 4]);
         let mut recorder = Recorder::on(&device, &queue, &mut encoder);
         recorder.copy((&source, 0), (&target, 0), 16);
-        // Neither submits: the copy would be lost with the source, or made twice.
+        // Neither call submits: that would lose the copy with the source, or do it twice.
         recorder.flush();
         recorder.submit();
         drop(source);

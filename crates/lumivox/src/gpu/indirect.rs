@@ -46,8 +46,8 @@ impl Indirect {
         Ok(Self { layout, kernel })
     }
 
-    /// Arguments for a dispatch of one thread per item, for each run; the arguments of the `i`-th
-    /// run start at `i * STRIDE`. Each [`Self::run`] writes them.
+    /// Binds arguments for one dispatch per run, with a thread per item; those of the `i`-th run
+    /// start at `i * STRIDE`. Each [`Self::run`] writes them.
     ///
     /// `item_starts` is the exclusive prefix sum of the items. If the first word of `overflow` is
     /// nonzero when the kernel runs, nothing is dispatched.

@@ -17,7 +17,7 @@ struct Run {
 @group(0) @binding(1) var<storage, read> runs: array<Run>;
 // Three words per run.
 @group(0) @binding(2) var<storage, read_write> arguments: array<u32>;
-// Nonzero if there are too many items to number; nothing may run then.
+// Nonzero if there are too many items to number; then nothing is dispatched.
 @group(0) @binding(3) var<storage, read> overflow: array<u32>;
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)

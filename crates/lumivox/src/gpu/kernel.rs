@@ -38,8 +38,8 @@ impl Kernel {
         Ok(kernel)
     }
 
-    /// [`Self::new`] for kernels that most scenes do not run: [`Pipelines::compile`] skips the
-    /// pipeline.
+    /// [`Self::new`] for kernels that most scenes do not run: [`Pipelines::compile`] skips their
+    /// pipelines.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -62,7 +62,7 @@ impl Kernel {
         pipelines.expect(&self.pipeline);
     }
 
-    /// Creates the pipelines of kernels that are about to run, all at once.
+    /// Creates the pipelines of kernels that are about to run, in parallel.
     pub(crate) async fn make_all(kernels: impl IntoIterator<Item = &Self>) {
         let pipelines: Vec<_> = kernels.into_iter().map(|kernel| kernel.pipeline.clone()).collect();
         super::pipelines::make_all(&pipelines).await;
@@ -117,12 +117,12 @@ impl Kernel {
         pass.dispatch_workgroups_indirect(arguments, offset);
     }
 
-    /// Runs [`Self::dispatch`] in a pass of its own.
+    /// Runs [`Self::dispatch`] in its own pass.
     pub fn run(&self, recorder: &mut Recorder, groups: &[&BindGroup], threads: [u32; 3]) {
         recorder.compute(&self.label, |pass| self.dispatch(pass, groups, threads));
     }
 
-    /// Runs [`Self::dispatch_linear`] in a pass of its own.
+    /// Runs [`Self::dispatch_linear`] in its own pass.
     pub fn run_linear(&self, recorder: &mut Recorder, groups: &[&BindGroup], count: u64) {
         recorder.compute(&self.label, |pass| self.dispatch_linear(pass, groups, count));
     }

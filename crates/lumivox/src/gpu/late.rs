@@ -12,7 +12,7 @@ const PENDING: u8 = 0;
 const MAPPED: u8 = 1;
 const FAILED: u8 = 2;
 
-/// A buffer that is read back repeatedly, always the same number of bytes.
+/// Repeated read-backs of the same number of bytes.
 #[derive(Debug, Default)]
 pub(crate) struct LateReads {
     /// Created by the first read.
@@ -28,16 +28,16 @@ pub(crate) struct LateReads {
 pub(crate) enum LastRead {
     /// In progress, or skipped while earlier reads are still in progress.
     Pending,
-    /// It will not arrive: it was skipped, its encoder was dropped, or it has failed.
+    /// The read will not arrive: it was skipped, its encoder was dropped, or it has failed.
     Lost,
-    /// Its numbers have arrived.
+    /// The numbers have arrived.
     Done,
 }
 
 #[derive(Debug)]
 struct Slot {
     buffer: Buffer,
-    /// Shared with the callback, which the encoder drops if it is never submitted.
+    /// State shared with the callback, which is dropped with an encoder that is never submitted.
     state: Option<Arc<AtomicU8>>,
     number: u64,
 }
@@ -57,7 +57,7 @@ impl Slot {
         self.state.as_ref().is_some_and(|state| state.load(Ordering::Acquire) == MAPPED)
     }
 
-    /// Whether the callback is pending and can still be called: its encoder was not dropped.
+    /// Whether the callback is pending and its encoder was not dropped.
     fn is_under_way(&self) -> bool {
         self.state.as_ref().is_some_and(|state| {
             state.load(Ordering::Acquire) == PENDING && Arc::strong_count(state) > 1
@@ -114,7 +114,8 @@ impl LateReads {
             if state == FAILED {
                 continue;
             }
-            // A device lost since has destroyed the buffer, and unmapping it would be an error.
+            // If the device is lost meanwhile, the buffer is destroyed, and unmapping it would be
+            // an error.
             let Ok(mapped) = slot.buffer.get_mapped_range(..) else { continue };
             let newest = latest.as_ref().map_or(self.returned, |(number, _)| *number);
             if slot.number > newest {
@@ -150,19 +151,18 @@ impl LateReads {
     }
 }
 
-/// Read-backs of the counts of passes that do nothing if a buffer is too small: the first word is
-/// nonzero then.
+/// Read-backs of the counts of passes that do nothing on overflow. The first word is nonzero then.
 #[derive(Debug, Default)]
 pub(crate) struct OverflowReads {
     reads: LateReads,
-    /// `true` if the last counts that [`Self::latest`] has returned fitted.
+    /// `true` if the last counts from [`Self::latest`] show no overflow.
     fits: bool,
 }
 
-/// Whether the passes of [`OverflowReads`] have overflowed, as far as it is known.
+/// Whether the passes of [`OverflowReads`] have overflowed, by the finished read-backs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Overflowed {
-    /// `true` after an overflow, and as long as nothing is known.
+    /// `true` after an overflow, and until a read has finished.
     pub is_late: bool,
     /// `true` if the last read has not arrived; `is_late` then describes an earlier one.
     pub is_pending: bool,
@@ -181,13 +181,13 @@ impl OverflowReads {
         Some(words)
     }
 
-    /// Whether the last counts that [`Self::latest`] has returned did not fit.
+    /// `true` if the last counts from [`Self::latest`] show an overflow, or there are none.
     pub fn is_late(&self) -> bool {
         !self.fits
     }
 
-    /// Whether they fit by the counts that have arrived, and those that [`Self::latest`] would
-    /// return. The caller must poll the device first.
+    /// The state by the finished reads, and the counts that [`Self::latest`] would return. The
+    /// caller must poll the device first.
     pub fn peek(&self) -> (Overflowed, Option<Vec<u32>>) {
         let (last, words) = self.reads.peek();
         let is_late = match (last, &words) {
@@ -251,7 +251,7 @@ mod tests {
         }
     }
 
-    /// Two threads that poll the device may call the callbacks of two submissions in either order.
+    /// Two threads that poll the device may call two submissions' callbacks in either order.
     #[test]
     fn a_read_back_older_than_the_latest_is_ignored() {
         let mut word = Word::new();
@@ -288,7 +288,7 @@ mod tests {
         assert_eq!(word.reads.peek(), (LastRead::Lost, Some(vec![10])));
         assert_eq!(word.latest(), Some(vec![10]));
         assert_eq!(word.reads.peek(), (LastRead::Lost, None));
-        // While all slots are in use, a read is skipped; it is lost once those are done.
+        // While all slots are in use, a read is skipped; it is lost once the others are done.
         let encoders: Vec<_> = (0..=SLOTS).map(|_| word.record()).collect();
         assert_eq!(word.reads.peek(), (LastRead::Pending, None));
         for (encoder, number) in encoders.into_iter().take(SLOTS).zip(3..) {

@@ -12,11 +12,10 @@ pub struct Memory<'a> {
 /// Suggestion in the error if a buffer does not fit.
 #[derive(Clone, Copy, Debug)]
 pub enum Remedy {
-    /// A lower resolution: the buffer grows with the third power of it. Contains the current
-    /// resolution.
+    /// A lower resolution than the given current one: the buffer grows with its third power.
     Volume(u32),
-    /// A lower resolution: the buffer grows with the surface, that is, with the square of the
-    /// resolution. Contains the current resolution.
+    /// A lower resolution than the given current one: the buffer grows with the surface, that is,
+    /// with the square of the resolution.
     Surface(u32),
     /// More batches: the buffer grows with the triangles of a batch.
     Batch,
@@ -30,7 +29,7 @@ impl Remedy {
             format!("a resolution of {} would fit", fits.max(crate::MIN_RESOLUTION))
         };
         match self {
-            // The bits cover a power-of-two cube.
+            // The bits cover a cube whose edge is a power of two.
             Self::Volume(resolution) => {
                 let halvings = (-share.log2() / 3.0).ceil();
                 let edge = f64::from(resolution.next_power_of_two());
@@ -68,7 +67,7 @@ impl<'a> Memory<'a> {
         Ok(storage_buffer(self.device, label, bytes))
     }
 
-    /// The bytes of a buffer that something else will create.
+    /// The bytes of a buffer that the caller will create.
     ///
     /// # Errors
     /// As [`Self::buffer`].

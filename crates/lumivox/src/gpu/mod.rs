@@ -35,8 +35,7 @@ pub(crate) use resources::{BufferHandle, Kept, ViewHandle, note_wait};
 pub(crate) use scan::{BoundScan, Scan};
 pub(crate) use slots::{Slot, Slots};
 
-/// Defines the constants that Rust and the shaders of this folder share, and those of number
-/// formats.
+/// Defines constants of number formats, and those that Rust and this folder's shaders share.
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library
         .constant_f32("PI", std::f32::consts::PI)

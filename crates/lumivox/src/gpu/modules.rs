@@ -7,7 +7,7 @@ mod built {
     include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 }
 
-/// The implementation of a slot in the file with that path (`build.rs` lists them).
+/// The module in the file at `path` that implements a slot (`build.rs` lists them).
 pub(crate) fn implementation(path: &str) -> &'static lumivox_wgsl::Module {
     let found = built::IMPLEMENTATIONS.iter().find(|(name, _)| *name == path);
     &found.unwrap_or_else(|| panic!("build.rs lists no {path}")).1

@@ -1,4 +1,4 @@
-//! A device for programs that have none.
+//! Opens a device, for programs without one.
 
 use crate::GiError;
 

@@ -15,7 +15,7 @@ fn random_pair(a: u32, b: u32) -> vec2f {
 }
 
 // The additive recurrence with the lowest discrepancy in two dimensions: Roberts 2018, "The
-// unreasonable effectiveness of quasirandom sequences". `start` is the offset of a pixel's own
+// unreasonable effectiveness of quasirandom sequences". `start` is the offset of a pixel's
 // sequence.
 fn sequence_pair(start: vec2f, index: u32) -> vec2f {
     return fract(start + fract(vec2f(0.7548776662, 0.5698402909) * f32(index & 0xffffu)));

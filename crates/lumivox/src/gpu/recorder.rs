@@ -1,8 +1,8 @@
 //! Recording of GPU work, optionally with the time of every pass.
 //!
 //! GPU timestamps are used where they are reliable. On software adapters they are not (lavapipe
-//! takes them when commands are parsed, not when they run), so there every pass is submitted
-//! separately and timed by the wall clock: slower as a whole, but correct for each pass.
+//! takes them when it parses commands, not when it runs them), so every pass is submitted
+//! separately and timed by the wall clock there: slower in total, but correct for each pass.
 //!
 //! An engine can pass its own encoder ([`Recorder::on`]). Then nothing is submitted here, and the
 //! encoder keeps the recorded resources until it is submitted.
@@ -23,8 +23,8 @@ pub enum Timing {
     Off,
     /// By timestamps at the boundaries of passes; needs `wgpu::Features::TIMESTAMP_QUERY`.
     Timestamps,
-    /// By submitting each pass separately and waiting for it. Not in browsers, where nothing may
-    /// block.
+    /// By submitting each pass separately and waiting for it. Not possible in browsers, where
+    /// nothing may block.
     SubmitAndWait,
 }
 
@@ -49,7 +49,7 @@ pub struct StageTime {
     pub stage: &'static str,
     /// The pass, such as `voxelize::mark::main`.
     pub pass: String,
-    /// How long it ran.
+    /// The time that it took.
     pub duration: Duration,
 }
 
@@ -59,11 +59,10 @@ const MAX_TIMED_PASSES: u32 = 2048;
 /// Records compute and render passes, either into its own command buffers, which it submits, or
 /// into a caller's encoder.
 ///
-/// With a caller's encoder ([`Self::on`]) the caller submits at any later time. Until then the
-/// encoder keeps all resources that the recorded work uses; dropping the encoder releases them. No
-/// times are measured: [`Timing::SubmitAndWait`] would have to submit, and timestamps can only be
-/// read after the caller has submitted. An engine that needs times writes its own timestamps around
-/// the calls.
+/// The caller may submit its encoder ([`Self::on`]) at any later time. Until then the encoder keeps
+/// all resources that the recorded work uses; dropping the encoder releases them. No times are
+/// measured: [`Timing::SubmitAndWait`] would have to submit, and timestamps can only be read after
+/// the caller has submitted. An engine can write its own timestamps around the calls.
 ///
 /// ```
 /// # let (device, queue) = pollster::block_on(lumivox::gpu::open_device()).expect("a GPU");
@@ -182,12 +181,12 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// The device that the work is for.
+    /// The device of the recorded work.
     pub fn device(&self) -> &wgpu::Device {
         &self.device
     }
 
-    /// The queue that the work goes to.
+    /// The queue of the recorded work.
     pub fn queue(&self) -> &wgpu::Queue {
         &self.queue
     }
@@ -224,8 +223,8 @@ impl<'a> Recorder<'a> {
         self.target.parts().1.keep([kept]);
     }
 
-    /// The encoder, for commands without timing: copies, clears, an engine's own passes. The
-    /// resources that they use must be kept until submission ([`Self::keep`]).
+    /// The encoder, for commands without timing: copies, clears, an engine's own passes. Their
+    /// resources must be kept until submission ([`Self::keep`]).
     pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
         self.target.parts().0
     }

@@ -1,11 +1,11 @@
-//! Buffers and textures whose memory is freed immediately.
+//! Buffers and textures whose memory is freed when the last handle is dropped.
 //!
 //! In browsers, dropping a `wgpu::Buffer` frees nothing until the garbage collector runs, and the
 //! collector does not know about GPU memory: only `destroy` frees it. So handles of these types are
-//! reference-counted, as wgpu does elsewhere, and the last one destroys the resource. Bind groups
-//! keep handles of their resources. A [`Recorder`](crate::gpu::Recorder) keeps handles of the
-//! resources that its passes and copies use, until submission. Any other commands that use a buffer
-//! of this library must be submitted before the owner of the buffer is dropped.
+//! reference-counted, like wgpu's own elsewhere, and the last handle destroys the resource. Bind
+//! groups keep handles of their resources. A [`Recorder`](crate::gpu::Recorder) keeps handles of
+//! the resources that its passes and copies use, until submission. Other commands that use a buffer
+//! of this library must be submitted before the buffer's owner is dropped.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -48,7 +48,7 @@ pub enum Kept {
     Texture(Texture),
 }
 
-/// Resources on all devices that this library and users of its types currently hold.
+/// Existing resources on all devices, of this library and of users of its types.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LiveResources {
     /// Buffers.
@@ -91,8 +91,8 @@ impl MadeResources {
     }
 }
 
-/// Number of times that this process has blocked until a device had finished all its work, on all
-/// devices, by this library or counted with [`note_wait`]. It only grows.
+/// Number of times that this process has blocked until a device had finished all its work: in this
+/// library, or counted with [`note_wait`]. It only grows.
 pub fn waits() -> u64 {
     WAITS.load(Ordering::Relaxed)
 }
@@ -236,7 +236,7 @@ impl BindGroup {
         &self.kept
     }
 
-    /// Whether a recording or another handle holds it.
+    /// `true` if a recording or another handle holds the bind group.
     pub(crate) fn is_held(&self) -> bool {
         Arc::strong_count(&self.kept) > 1
     }
@@ -319,8 +319,8 @@ mod tests {
     use crate::gpu::{BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, storage_buffer};
     use crate::testing::{device, read};
 
-    /// The last handle is held by something different in each case. If something is destroyed too
-    /// early, the copy is wrong or wgpu reports an error.
+    /// In each case another object holds the last handle. If a resource is destroyed too early, the
+    /// copy is wrong or wgpu reports an error.
     #[test]
     fn recorded_resources_live_until_submission() {
         let (device, queue) = device();

@@ -48,16 +48,16 @@ impl Scan {
         })
     }
 
-    /// Replaces each of the first `count` elements of `values` by the sum of all elements before
+    /// Replaces each of the first `count` elements of `values` by the sum of the elements before
     /// it.
     ///
-    /// If the last element is zero, it becomes the total of the others.
+    /// A last element of zero becomes the total of the others.
     pub fn run(&self, recorder: &mut Recorder<'_>, values: &Buffer, count: u32) {
         let bound = self.bind(recorder.device(), values, count);
         self.run_bound(recorder, &bound);
     }
 
-    /// Binds a buffer for repeated [`Self::run_bound`], which does the work of [`Self::run`].
+    /// Binds a buffer for repeated calls of [`Self::run_bound`].
     pub fn bind(&self, device: &wgpu::Device, values: &Buffer, count: u32) -> BoundScan {
         let mut levels = Vec::new();
         let (mut values, mut count) = (values.clone(), count);
@@ -90,7 +90,7 @@ impl Scan {
     }
 }
 
-/// A buffer bound to a [`Scan`]: the sums of its blocks, the sums of those, and so on.
+/// A buffer bound to a [`Scan`]: the sums of its blocks, of blocks of these sums, and so on.
 #[derive(Debug)]
 pub struct BoundScan {
     levels: Vec<(BindGroup, u64)>,

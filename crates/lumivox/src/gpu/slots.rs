@@ -1,15 +1,14 @@
-//! Copies of data that one recording reads and the next one changes.
+//! Separate copies of data for recordings, since each recording changes it.
 //!
-//! `Queue::write_buffer` takes effect before everything that is submitted next. Two recordings that
-//! are submitted together would both see the last content of one buffer, so each uses a slot that
-//! no other recording holds. There are as many slots as recordings were ever in progress at once;
-//! after that nothing is created.
+//! `Queue::write_buffer` takes effect before everything in the next submission. Two recordings that
+//! are submitted together would both read the last content of one buffer, so each uses a slot that
+//! no other recording holds. There are as many slots as recordings were ever in progress at once.
 
 use std::sync::{Mutex, PoisonError};
 
-/// Something with bind groups that recordings hold.
+/// An object with bind groups that recordings hold.
 pub(crate) trait Slot {
-    /// Whether no recording holds it that is yet to be submitted.
+    /// `true` if all recordings that hold it are submitted or dropped.
     fn is_free(&self) -> bool;
 }
 
@@ -38,7 +37,7 @@ impl<S: Slot> Slots<S> {
         record(&mut slots[free])
     }
 
-    /// Whether no recording holds any slot.
+    /// `true` if no recording holds any slot.
     #[cfg(test)]
     pub(crate) fn are_free(&self) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).iter().all(Slot::is_free)

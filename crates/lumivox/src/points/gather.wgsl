@@ -1,5 +1,5 @@
-// Irradiance at points: each thread gathers some frames of one point and adds them to the mean of
-// the earlier frames.
+// Irradiance at points: each thread gathers some frames of one point and adds them to the earlier
+// frames' mean.
 
 import package::cascades::drawn_level;
 import package::constants::LINEAR_WORKGROUP_SIZE;
@@ -26,12 +26,12 @@ struct GatheredPoint {
     indirect: vec3f,
     openness: f32,
     direct: vec3f,
-    // Number of frames, as a float.
+    // Number of frames gathered so far.
     frames: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: PointSettings;
-// In the world; the fourth components are not read.
+// Positions in the world; the fourth components are not read.
 @group(1) @binding(1) var<storage, read> positions: array<vec4f>;
 @group(1) @binding(2) var<storage, read> normals: array<vec4f>;
 @group(1) @binding(3) var<storage, read_write> gathered: array<GatheredPoint>;

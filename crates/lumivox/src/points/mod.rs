@@ -1,7 +1,7 @@
 //! Irradiance at arbitrary points: for lux meters, probes and baking.
 //!
-//! A point gathers as a pixel does, without a G-buffer. Cone directions differ from frame to frame,
-//! and the result is the mean over the frames. The result buffer stores the mean and the number of
+//! A point gathers like a pixel, without a G-buffer. Cone directions differ from frame to frame;
+//! the result is the mean over the frames. The result buffer stores the mean and the number of
 //! frames, so later gathers continue from there.
 
 #[cfg(test)]
@@ -181,8 +181,8 @@ impl Slot for PointSlot {
     }
 }
 
-/// Maximum gathers per pass: a GPU needs milliseconds for them, and two CPU cores a few seconds,
-/// less than any system's hang timeout.
+/// Maximum gathers per pass: they take a GPU milliseconds, and two CPU cores a few seconds, less
+/// than any system's hang timeout.
 const GATHERS_A_PASS: u64 = 1 << 16;
 
 /// Maximum frames per pass. Mesa's software driver silently ends all loops of a thread after 65 535
@@ -240,7 +240,7 @@ impl PointGatherer {
                 cone_count: settings.cones.diffuse_cones,
                 point_count: points.count,
                 frames,
-                // Only once: direct light does not change from frame to frame.
+                // Computed only once, since direct light is the same in each frame.
                 has_direct: u32::from(settings.direct && left == 0),
             };
             self.pass(recorder, (bound, has_emitters), points, &uniform);

@@ -1,4 +1,4 @@
-//! Irradiance at points against closed forms.
+//! Compares irradiance at points with closed forms.
 
 use std::f32::consts::PI;
 
@@ -60,14 +60,13 @@ fn scattered(count: u32) -> Vec<(Vec3, Vec3)> {
 fn points_in_a_furnace_have_the_irradiance_of_its_closed_form() {
     let room = SceneBuilder::default().room(Vec3::ZERO, Vec3::ONE, &lambert(0.5, 1.0));
     let lab = Lab::new(room, 32, (&[], Vec3::ZERO), 10);
-    // Walls all around are drawn by eight points a frame, whose noise is 14 % at the worst point
-    // after 16 frames.
+    // Gathers draw eight points of the emissive walls a frame; after 16 frames the noise is 14 % at
+    // the worst point.
     let settings = GatherSettings { frames: 128, ..GatherSettings::default() };
     let gathered = lab.gather(&scattered(64), &settings);
     let mean = gathered.iter().map(|point| point.indirect.y).sum::<f32>() / 64.0;
     println!("furnace: {} of 2 pi", mean / PI);
-    // The bounces at 32 voxels miss up to 4 % (`light/tests.rs`), and gathers in the middle of the
-    // room nothing more.
+    // The bounces at 32 voxels miss up to 4 % (`light/tests.rs`); gathers in the room add no error.
     assert!((1.90..2.03).contains(&(mean / PI)), "{} pi, not 2 pi", mean / PI);
     for point in gathered {
         assert!((point.indirect.y / mean - 1.0).abs() < 0.1, "{point:?} beside a mean of {mean}");
@@ -76,8 +75,8 @@ fn points_in_a_furnace_have_the_irradiance_of_its_closed_form() {
     }
 }
 
-/// A lamp of 1 cd over a floor: cos / d^2 in the open, nothing below a plate; and only if it is
-/// asked for.
+/// A lamp of 1 cd over a floor: cos / d^2 in the open, zero below a plate, and zero unless direct
+/// light is requested.
 #[test]
 fn direct_light_at_points_follows_the_inverse_square() {
     let plate = SceneBuilder::default().quad(
@@ -107,7 +106,7 @@ fn direct_light_at_points_follows_the_inverse_square() {
     assert_eq!(lab.gather(&points, &without)[0].direct, Vec3::ZERO);
 }
 
-/// A wall gets half of the sky's light, and its open share equals that.
+/// A wall gets half of the sky's light, its open share.
 #[test]
 fn sky_light_at_points_follows_their_open_share() {
     let floor = SceneBuilder::default().quad(
@@ -124,13 +123,13 @@ fn sky_light_at_points_follows_their_open_share() {
     };
     assert!((up.indirect.y / PI - 1.0).abs() < 0.01, "{up:?}");
     assert!((up.openness - 1.0).abs() < 0.01, "{up:?}");
-    // The black floor ends at half a metre: it hides a little less than half of what is seen.
+    // The black floor ends at half a metre: it hides a little less than half of the view.
     assert!((0.45..0.58).contains(&(aside.indirect.y / PI)), "{aside:?}");
     assert!((aside.openness - aside.indirect.y / PI).abs() < 0.02, "{aside:?}");
 }
 
-/// A few frames at a time give the mean that all at once give, and the order of points does not
-/// matter.
+/// Gathers of a few frames at a time give the mean of one long gather, and the order of points does
+/// not matter.
 #[test]
 fn split_gathers_and_reordered_points_give_equal_results() {
     let room = SceneBuilder::default().room(Vec3::ZERO, Vec3::ONE, &lambert(0.5, 1.0));
@@ -162,8 +161,8 @@ fn split_gathers_and_reordered_points_give_equal_results() {
     assert!(in_parts == at_once);
 }
 
-/// Every requested frame is gathered, however many there are, even if a frame takes long: among
-/// many emitters.
+/// Every requested frame is gathered, even if there are many frames or, with many emitters, slow
+/// ones.
 #[test]
 fn every_requested_frame_is_gathered() {
     let rooms = (0..8).fold(SceneBuilder::default(), |scene, index| {

@@ -12,11 +12,11 @@ pub use value::{Choice, Kind, Value};
 
 /// A row: one setting of the type `S`.
 pub struct Setting<S: 'static> {
-    /// Its name in lower case, words joined by `_`.
+    /// The name in lower case, words joined by `_`.
     pub name: &'static str,
     /// Other names, such as abbreviations.
     pub aliases: &'static [&'static str],
-    /// The unit of its numbers; empty if there is none.
+    /// The unit of numbers; empty if there is none.
     pub unit: &'static str,
     /// Its meaning, in one sentence without a full stop.
     pub summary: &'static str,
@@ -71,8 +71,8 @@ pub enum Redoes {
     Frames,
     /// The light in the voxels, and frames.
     Light,
-    /// With a cone model, whose cones also gather the voxels' light: that light, and frames.
-    /// Without one: only frames.
+    /// With a cone model, the voxels' light, which its cones gather, and frames; without one, only
+    /// frames.
     MarchedLight,
     /// The textures whose size depends on the picture, and frames.
     Targets,
@@ -93,7 +93,7 @@ pub struct SettingError {
 }
 
 impl SettingError {
-    /// The error for a setting with this name, kind and unit that cannot be `got`.
+    /// The error for the value `got` of a setting with this name, kind and unit.
     pub fn new(name: &'static str, kind: Kind, unit: &str, got: &str) -> Self {
         let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
         Self { name, expected: kind.in_words() + &unit, got: got.to_owned() }

@@ -222,7 +222,7 @@ fn mebibytes(text: &str) -> Option<f32> {
 }
 
 impl Value {
-    /// Whether this is a switch that is on; `false` for other kinds.
+    /// `true` for a switch that is on; `false` for other kinds.
     pub fn is_on(self) -> bool {
         self == Self::Switch(true)
     }

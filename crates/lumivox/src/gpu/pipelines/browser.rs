@@ -1,10 +1,10 @@
 //! Asynchronous creation of pipelines in browsers, without blocking the page.
 //!
-//! wgpu only calls `createComputePipeline` and `createRenderPipeline`, which the browser compiles
-//! one after the other, in the process that all GPU work waits for. Their `Async` variants take the
-//! same descriptors. So our function replaces the device's method during two calls: the first
-//! captures the descriptor, and once the browser has created the pipeline, the second returns it to
-//! wgpu. Nothing is compiled twice.
+//! wgpu only calls `createComputePipeline` and `createRenderPipeline`; the browser then compiles
+//! one pipeline after the other, in the process that does all GPU work. Their `Async` variants take
+//! the same descriptors. So our function replaces the device's method during two calls of wgpu: in
+//! the first it captures the descriptor, and in the second, once the browser has created the
+//! pipeline, it returns that. Nothing is compiled twice.
 
 use js_sys::{Function, Object, Promise, Reflect};
 use wasm_bindgen::closure::Closure;
@@ -23,7 +23,7 @@ impl Pending {
     }
 }
 
-/// Creates all pipelines at once.
+/// Creates all pipelines in parallel.
 pub(super) async fn make(
     device: &wgpu::Device,
     pending: &[Pending],
@@ -43,8 +43,8 @@ pub(super) async fn make(
             (Some(device), Some(made)) => {
                 stand_in(device, pipeline.method(), |_| made.clone(), || pipeline.make());
             }
-            // A pipeline that the browser has rejected is rejected again here, so that the device's
-            // error handlers see it.
+            // If the browser has rejected a pipeline, it rejects it again here, so that the
+            // device's error handlers are called.
             _ => pipeline.make(),
         }
         progress(done, pending.len() as u32);
@@ -74,7 +74,7 @@ fn stand_in(
     let mut call: &mut dyn FnMut(JsValue) -> JsValue = &mut function;
     let own = Closure::borrow_mut(&mut call);
     let name = JsValue::from_str(name);
-    // An object's own property hides its prototype's.
+    // An own property hides that of the prototype.
     let is_set = Reflect::set(device, &name, own.as_ref().unchecked_ref());
     run();
     if is_set.is_ok() {

@@ -77,7 +77,7 @@ impl Plan for DrawPlan {
     }
 }
 
-/// A render pipeline, created at the latest at its first use (by `Deref`). Clones share it.
+/// A render pipeline, created at its first use (by `Deref`) or earlier. Clones share it.
 #[derive(Clone, Debug)]
 pub struct DrawPipeline(pub(super) Lazy<DrawPlan>);
 

@@ -11,7 +11,7 @@ pub(crate) trait Plan {
     fn create(&self, device: &wgpu::Device, cache: Option<&wgpu::PipelineCache>) -> Self::Pipeline;
 }
 
-/// A pipeline that is created once, at the latest at its first use. Clones share it.
+/// A pipeline that is created once, at its first use or earlier. Clones share it.
 #[derive(Debug)]
 pub(crate) struct Lazy<P: Plan>(Arc<Slot<P>>);
 
@@ -56,7 +56,7 @@ impl<P: Plan> Clone for Lazy<P> {
     }
 }
 
-/// A pipeline of either kind that may not be created yet.
+/// A compute or render pipeline that may not be created yet.
 #[derive(Clone, Debug)]
 pub(super) enum Pending {
     Compute(LazyCompute),
@@ -71,7 +71,7 @@ impl Pending {
         }
     }
 
-    /// An address that is the same for all clones of one pipeline.
+    /// An address that identifies the pipeline: all clones have the same.
     pub(super) fn address(&self) -> *const () {
         match self {
             Self::Compute(pipeline) => Arc::as_ptr(&pipeline.0).cast(),

@@ -1,18 +1,17 @@
 //! A cache of shaders, layouts and pipelines, one per device.
 //!
-//! Everything created on a device with the same [`Pipelines`] shares it: a second scene, another
-//! resolution or a volume that was used before find their pipelines in the cache. Keys are
-//! contents: a shader is identified by its linked WGSL, a bind group layout by its entries, a
-//! pipeline by both. So a layout of an older object fits a bind group of a newer one.
+//! Objects created with the same [`Pipelines`] share the cache: a second scene, another resolution
+//! or a volume that was used before find their pipelines in it. Keys are contents: a shader is
+//! identified by its linked WGSL, a bind group layout by its entries, a pipeline by both. So
+//! layouts and bind groups of different objects are compatible.
 //!
-//! Requesting a pipeline links its shader and creates nothing on the device, unless the shader
-//! contains a module that was added at run time: then the device validates it, so that errors are
-//! reported early. [`Pipelines::compile`] creates the pipelines that most scenes need, in parallel:
-//! on all cores, or in the browser without blocking the page. All others are created at their first
-//! use.
+//! Requesting a pipeline links its shader and creates nothing on the device. Only shaders with
+//! modules added at run time are created and validated at once, so that errors are reported early.
+//! [`Pipelines::compile`] creates the pipelines that most scenes need, in parallel: on all cores,
+//! or in the browser without blocking the page. Others are created at their first use.
 //!
 //! Nothing is released before the last clone is dropped: the number of pipelines grows with the
-//! kinds of volumes, materials and views that were used, not with scenes.
+//! kinds of volumes, materials and views, not with scenes.
 
 #[cfg(target_arch = "wasm32")]
 mod browser;
@@ -62,9 +61,9 @@ struct Cache {
 /// Shaders by origin and by content.
 #[derive(Debug, Default)]
 struct Linked {
-    /// All different libraries so far.
+    /// All libraries with different contents.
     libraries: Vec<ShaderLibrary>,
-    /// By the library's index in the list, and the module's path.
+    /// Shaders by the library's index in the list, and the module's path.
     by_path: HashMap<(usize, String), Shader>,
     by_source: HashMap<String, Shader>,
 }
@@ -101,7 +100,8 @@ impl Pipelines {
     /// The shader module `path` of a library, linked once for the same sources and constants.
     ///
     /// # Errors
-    /// If it does not link, or contains a module that was added at run time and does not validate.
+    /// If the shader does not link, or contains a module that was added at run time and does not
+    /// validate.
     pub fn shader(&self, library: &ShaderLibrary, path: &str) -> Result<Shader, ShaderError> {
         let mut linked = lock(&self.cache.linked);
         let known = linked.libraries.iter().position(|known| known == library);
@@ -126,7 +126,7 @@ impl Pipelines {
         Ok(shader)
     }
 
-    /// The layout of bind groups with the given entries; it keeps the label of its first request.
+    /// The layout of bind groups with the given entries; its label is that of the first request.
     pub(crate) fn layout(
         &self,
         entries: Vec<wgpu::BindGroupLayoutEntry>,
@@ -167,10 +167,10 @@ impl Pipelines {
 
     /// Creates the requested pipelines that do not exist yet: on all cores, or in browsers without
     /// blocking the page. It skips pipelines that only scenes with motion or holes run;
-    /// [`Self::compile_all`] includes them. `progress` gets the number created and the total, if
-    /// any are left to create.
+    /// [`Self::compile_all`] includes them. `progress` is called with the number created and the
+    /// total, unless nothing is left to create.
     ///
-    /// An error of the device is reported like that of any failed call, not here.
+    /// Errors are reported to the device's error handlers, not here.
     pub async fn compile(&self, progress: &mut dyn FnMut(u32, u32)) {
         let pending = std::mem::take(&mut *lock(&self.cache.pending));
         make(&self.device, pending, progress).await;
@@ -227,7 +227,7 @@ async fn make(
     browser::make(device, &pending, progress).await;
 }
 
-/// Creates the compute pipelines that do not exist yet, all at once.
+/// Creates the compute pipelines that do not exist yet, in parallel.
 pub(super) async fn make_all(pipelines: &[LazyCompute]) {
     if let Some(first) = pipelines.first() {
         let device = first.device().clone();
@@ -236,7 +236,7 @@ pub(super) async fn make_all(pipelines: &[LazyCompute]) {
     }
 }
 
-/// A panic elsewhere cannot leave these maps inconsistent.
+/// Locks a mutex even after a panic, which cannot leave these maps inconsistent.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

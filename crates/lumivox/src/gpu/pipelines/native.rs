@@ -5,13 +5,13 @@ use std::sync::mpsc;
 
 use super::lazy::Pending;
 
-/// Creates pipelines on all cores. It blocks, as waiting for the device does outside of browsers.
+/// Creates pipelines on all cores, and blocks until they are created.
 pub(super) fn make(
     _: &wgpu::Device,
     pending: &[Pending],
     progress: &mut dyn FnMut(u32, u32),
 ) -> std::future::Ready<()> {
-    // The longest first, so that all cores finish at about the same time.
+    // Longest shaders first, so that all cores finish at about the same time.
     let mut pending = pending.to_vec();
     pending.sort_by_key(|pipeline| std::cmp::Reverse(pipeline.source_bytes()));
     let pending = &pending;
@@ -24,7 +24,7 @@ pub(super) fn make(
             scope.spawn(move || {
                 while let Some(pipeline) = pending.get(next.fetch_add(1, Ordering::Relaxed)) {
                     pipeline.make();
-                    // The receiver is gone if the caller's progress function has panicked.
+                    // The receiver is dropped if the caller's progress function has panicked.
                     let _ = made.send(());
                 }
             });

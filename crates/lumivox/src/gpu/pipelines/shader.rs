@@ -20,8 +20,7 @@ struct Content {
 }
 
 impl Shader {
-    /// A shader with a module that was added at run time is created on the device here, and
-    /// validated.
+    /// Creates and validates the shader on the device now if it has a module added at run time.
     ///
     /// # Errors
     /// If the device rejects the shader. Browsers report that only later, in the log.
@@ -42,7 +41,7 @@ impl Shader {
     /// The entry point with that name.
     ///
     /// # Errors
-    /// If there is none.
+    /// If the shader has no such entry point.
     pub fn entry(&self, name: &str) -> Result<ShaderEntry, ShaderError> {
         let found = self.0.linked.entries.iter().position(|(entry, _)| entry == name);
         let number = found.ok_or_else(|| ShaderError {
@@ -87,7 +86,7 @@ impl Shader {
         Ok(())
     }
 
-    /// The first error in the compiler's messages, with the module that it is in.
+    /// The first error in the compiler's messages, with its module.
     fn error_in(&self, info: &wgpu::CompilationInfo) -> Option<ShaderError> {
         let is_error = |message: &&wgpu::CompilationMessage| {
             message.message_type == wgpu::CompilationMessageType::Error
@@ -114,7 +113,7 @@ fn ready<T>(future: impl Future<Output = T>) -> Option<T> {
     }
 }
 
-/// A cache contains each content only once, so identity is equality.
+/// A cache contains each shader only once, so identity is equality.
 impl PartialEq for Shader {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
@@ -137,7 +136,7 @@ pub struct ShaderEntry {
 }
 
 impl ShaderEntry {
-    /// Its name.
+    /// The entry point's name.
     pub fn name(&self) -> &str {
         &self.shader.0.linked.entries[self.number].0
     }

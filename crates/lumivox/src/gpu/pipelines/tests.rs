@@ -35,7 +35,7 @@ fn equal_shaders_and_layouts_are_created_once() {
     }
     let one = PipelineCounts { shaders: 1, layouts: 1, pipelines: 1, made: 0 };
     assert_eq!(pipelines.counts(), one);
-    // It is linked again, and found to be the same, since the constant has no part in it.
+    // The shader is linked again and found in the cache, since it does not use the constant.
     kernel(&pipelines, &library(2)).expect("it links");
     assert_eq!(pipelines.counts(), one);
     let mut other = library(1);
@@ -52,7 +52,7 @@ fn uncompiled_pipelines_are_compiled_at_first_use() {
     let pipelines = Pipelines::new(&device);
     let kernel = kernel(&pipelines, &library(1)).expect("it links");
     let values = storage_buffer(&device, "values", 256);
-    // A layout that was asked for another time fits.
+    // A layout from another request is compatible.
     let layout = layout(&pipelines, "others");
     let group = BindGroupBuilder::new(&layout).buffer(&values).build(&device, "values");
     for _ in 0..3 {
@@ -86,7 +86,7 @@ fn pending_pipelines_are_compiled_and_counted() {
     pollster::block_on(pipelines.compile_all(&mut |_, _| {}));
     assert_eq!(pipelines.counts(), PipelineCounts { made: counts.pipelines, ..counts });
 
-    // Another one of its kind asks for nothing that is not there, while this one is in use or gone.
+    // A second `Gi` of this kind needs no new pipelines.
     drop(gi);
     crate::Gi::with_pipelines(&pipelines, &queue, config).expect("a device");
     assert_eq!(pipelines.counts(), PipelineCounts { made: counts.pipelines, ..counts });
