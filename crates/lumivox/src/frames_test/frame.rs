@@ -1,9 +1,9 @@
-//! `Gi::frame`: what it records, and what it reports.
+//! Tests the passes and the status of `Gi::frame`.
 
 use super::*;
 use crate::Frame;
 
-/// The passes of a frame, and its status once it has run.
+/// The number of passes of a frame, and its status once it has run.
 fn passes(stage: &mut Stage, frame: Frame<'_>) -> (usize, FrameStatus) {
     let mut recorder = Recorder::with_timing(&stage.device, &stage.queue, Timing::SubmitAndWait);
     stage.gi.frame(&mut recorder, frame).expect("it fits");
@@ -46,7 +46,7 @@ fn unchanged_frames_record_nothing() {
     }
 }
 
-/// Geometry that is refused is reported once; later frames show what was there, until the geometry
+/// Refused geometry is reported once; later frames show the previous voxels until the geometry
 /// changes.
 #[test]
 fn a_refused_geometry_is_reported_once() {

@@ -1,4 +1,4 @@
-//! Frames that never wait: their voxels equal those of a new object, late at most, and light
+//! Frames that never wait: their voxels equal those of a new object, perhaps late, and light
 //! continues from frame to frame.
 
 mod frame;
@@ -27,8 +27,7 @@ struct Stage {
     gi: Gi,
 }
 
-/// Faces with the radiance that they send out, in an order that depends on nothing else: by cell
-/// and lobe.
+/// Faces with the radiance that they send out, in a fixed order: by cell and lobe.
 type Lit = Vec<([u32; 2], [u32; 4])>;
 
 impl Stage {
@@ -53,7 +52,7 @@ impl Stage {
         self.gi.bind_lights(&[Light { source, shadow }], Vec3::ZERO, None)
     }
 
-    /// Whether the octree had no room for the last list.
+    /// `true` if the last list overflowed the octree.
     fn overflows(&self) -> bool {
         match self.gi.cells() {
             None | Some(CellVolume::Dense(_)) => false,
@@ -65,7 +64,7 @@ impl Stage {
         matches!(self.gi.config().volume, VolumeKind::Octree)
     }
 
-    /// One recorded voxelization, submitted and done: the next one knows all that it has found.
+    /// Records and submits a voxelization, and waits until its results are read back.
     fn voxelize(&mut self, geometry: &Geometry) -> FrameVoxels {
         let mut recorder = Recorder::new(&self.device, &self.queue);
         self.gi.voxelize_frame(&mut recorder, geometry).expect("it fits");
@@ -75,7 +74,7 @@ impl Stage {
         status
     }
 
-    /// A recorded voxelization that is still to be submitted.
+    /// Records a voxelization without submitting it.
     fn record(&mut self, geometry: &Geometry) -> (FrameVoxels, wgpu::CommandEncoder) {
         let mut encoder =
             self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -85,11 +84,11 @@ impl Stage {
         (self.gi.voxel_status(), encoder)
     }
 
-    /// Recorded voxelizations until one is known to be in time.
+    /// Voxelizes until the result is not late; returns the number of voxelizations.
     fn catch_up(&mut self, geometry: &Geometry) -> u32 {
         for frame in 1..16 {
             self.voxelize(geometry);
-            // The next call reports what the last one found.
+            // A call reports the results of the previous one.
             if !self.voxelize(geometry).is_late {
                 return frame;
             }
@@ -102,7 +101,7 @@ impl Stage {
         self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
     }
 
-    /// From darkness, waiting.
+    /// Lights the voxels from darkness.
     fn light(&mut self, lights: &Lights, bounces: u32) {
         let mut recorder = Recorder::new(&self.device, &self.queue);
         let settings = TraceSettings::default();
@@ -110,7 +109,7 @@ impl Stage {
         self.submit(recorder);
     }
 
-    /// A frame of light.
+    /// Records a frame of light.
     fn step(&mut self, lights: &Lights, faces: Option<u32>) {
         let mut recorder = Recorder::new(&self.device, &self.queue);
         let settings = TraceSettings::default();
@@ -149,9 +148,8 @@ impl Stage {
         sum / radiance.len() as f64
     }
 
-    /// Compares voxels, light and the volume with those of a new object. Without cones if it is an
-    /// octree: the places of bricks, which decide the last bits of what cones see, depend on what
-    /// was there before.
+    /// Compares voxels, light and the volume with those of a new object. Not cones' light for an
+    /// octree: the places of bricks, which affect its last bits, depend on earlier lists.
     fn assert_fresh(&mut self, geometry: &Geometry, what: &str) {
         let is_octree = self.is_octree();
         let (shadow, bounces) = if is_octree { (Shadow::None, 1) } else { (Shadow::Cone, 2) };
@@ -188,8 +186,8 @@ fn volumes() -> [VolumeKind; 2] {
     [VolumeKind::Dense, VolumeKind::Octree]
 }
 
-/// From nothing, through walls, out of the grid and back; without the moving box, without the
-/// static room, with nothing at all.
+/// Starts empty, moves a box through walls, out of the grid and back; then removes the box, the
+/// static room, and everything.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn frames_converge_to_the_bits_of_a_fresh_gi() {
@@ -237,8 +235,8 @@ fn check_frames(volume: VolumeKind) {
     stage.assert_fresh(&geometry, "after nothing");
 }
 
-/// A moving object grows a hundredfold at once and overflows the buffers: the former voxels are
-/// kept, and a few frames later the buffers are large enough.
+/// A moving object suddenly grows a hundredfold and overflows the buffers: the previous voxels
+/// stay, and a few frames later the buffers are large enough.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn an_overflowing_frame_keeps_the_former_voxels() {
@@ -247,7 +245,7 @@ fn an_overflowing_frame_keeps_the_former_voxels() {
     }
 }
 
-/// A room, and in it a box of any size.
+/// A room with a box of any size.
 fn growing(volume: VolumeKind) -> (Stage, impl Fn(f32) -> Geometry) {
     let stage = Stage::with(volume, Vec3::new(1.0, 0.9, 1.0), 64);
     let half = Vec3::splat(0.5);
@@ -278,8 +276,8 @@ fn check_late(volume: VolumeKind) {
     stage.assert_fresh(&sized(0.05), "small again");
 }
 
-/// A call returns what is known of earlier calls. An overflow is reported even if nothing more is
-/// recorded, and a frame whose result is not known yet is reported as pending.
+/// A call returns the read-back results of earlier calls. An overflow is reported even if nothing
+/// more is recorded, and a frame without a result is reported as pending.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn overflow_is_reported_even_if_nothing_is_recorded() {
@@ -296,7 +294,7 @@ fn check_status(volume: VolumeKind) {
         (status.is_late, status.is_pending)
     };
     assert_eq!(status(&stage), (false, false));
-    // The second frame is recorded before the first has run, as if the first one's read came late.
+    // The second frame is recorded before the first has run, as with a late read-back.
     let grown = sized(0.95);
     let encoders = [0, 1].map(|_| {
         let (frame, encoder) = stage.record(&grown);
@@ -322,8 +320,8 @@ fn check_status(volume: VolumeKind) {
     assert_eq!(status(&stage), (true, false), "the encoder was dropped");
 }
 
-/// A moving object enters a scene of which nothing was kept, since all of it was static: until
-/// static surface is collected again, the voxels do not change.
+/// A moving object enters a static scene, for which no static share was kept: until that is
+/// collected again, the voxels do not change.
 #[test]
 fn static_voxels_stay_until_static_surface_is_collected() {
     let mut stage = Stage::new(Vec3::new(1.0, 0.7, 0.9), 32);
@@ -341,7 +339,7 @@ fn static_voxels_stay_until_static_surface_is_collected() {
     stage.assert_fresh(&both, "with the box");
 }
 
-/// Recordings that wait for each other: nothing is submitted in between.
+/// Several recordings before the first submission.
 #[test]
 fn unsubmitted_recordings_keep_their_own_inputs() {
     let mut stage = Stage::new(Vec3::new(1.0, 0.7, 0.9), 32);
@@ -398,8 +396,8 @@ fn cornell(device: &wgpu::Device) -> Geometry {
         .build(device)
 }
 
-/// The share of a change of indirect light that is there after each frame, 0 to 1; what it settles
-/// to, and what a solve with 24 bounces gives.
+/// The share of a change of indirect light after each frame, 0 to 1; the final light, and that of a
+/// solve with 24 bounces.
 fn response(faces: impl Fn(u32) -> Option<u32>, frames: u32) -> (Vec<f64>, [f64; 2]) {
     let mut stage = Stage::new(Vec3::ONE, 32);
     let geometry = cornell(&stage.device);
@@ -424,7 +422,7 @@ fn response(faces: impl Fn(u32) -> Option<u32>, frames: u32) -> (Vec<f64>, [f64;
     (shares, [stage.mean(), all[0]])
 }
 
-/// In the share of light that docs/moving.md states.
+/// The shares of light are those stated in docs/moving.md.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn light_follows_a_lamp_switch_within_frames() {
@@ -440,9 +438,9 @@ fn light_follows_a_lamp_switch_within_frames() {
     assert!(quarter.iter().all(|share| *share <= 1.01), "it overshoots: {quarter:?}");
 }
 
-/// A lamp far too bright for half floats lights what is near as bright as they hold, and its light
-/// goes when it is dimmed. (Mesa's software driver rounds towards zero, so that it never made
-/// infinities; other devices do.)
+/// A lamp too bright for half floats lights near surfaces with the largest half float, and its
+/// light vanishes when it is dimmed. (Mesa's software driver rounds towards zero, so that it never
+/// made infinities; other devices do.)
 #[test]
 #[ignore = "slow: over three seconds"]
 fn light_beyond_half_floats_is_clamped() {
@@ -467,8 +465,8 @@ fn light_beyond_half_floats_is_clamped() {
     }
 }
 
-/// If walls reflect 95 %, light that feeds itself neither runs away nor drifts; when the lamp is
-/// gone, it dies.
+/// If walls reflect 95 %, repeated bounces neither diverge nor drift; after the lamp is removed,
+/// the light vanishes.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn reflected_light_neither_grows_nor_outlives_the_lamp() {
@@ -477,7 +475,7 @@ fn reflected_light_neither_grows_nor_outlives_the_lamp() {
     let geometry = room.build(&stage.device);
     pollster::block_on(stage.gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
     let lamp = stage.lamp(Vec3::new(0.3, 0.6, 0.4), Vec3::ONE);
-    // As if something changed all the time, so that it never rests.
+    // Disturbs the light in each step, so that it never converges.
     let step = |stage: &mut Stage, lights: &Lights| {
         stage.gi.forget_light();
         stage.step(lights, None);
@@ -502,7 +500,7 @@ fn reflected_light_neither_grows_nor_outlives_the_lamp() {
     assert!(left < 1e-3, "{left} of the light is left");
 }
 
-/// Light settles, and then nothing is recorded any more; it wakes up when something changes.
+/// After light has converged, no pass is recorded until something changes.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn settled_light_records_no_passes() {

@@ -1,9 +1,9 @@
-//! Frames with an octree, which has room of its own.
+//! Frames with an octree, whose own buffers may overflow.
 
 use super::*;
 
-/// The buffers of the voxels are large enough and those of the octree are not: it shows what it
-/// showed, whatever light comes, and makes up for all that it has missed.
+/// The octree's buffers overflow while those of the voxels do not: it keeps its content, even if
+/// light changes, and later applies all missed changes.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn an_overflowing_octree_keeps_its_former_content() {

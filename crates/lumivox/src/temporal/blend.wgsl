@@ -1,19 +1,19 @@
 // Blends one frame's light into the mean of the earlier ones.
 //
-// Noise and change look alike in a single pixel, but the mean over many pixels cancels noise and
-// not change. So the filtered difference between this frame and the known light (`filter.wgsl`) is
-// compared with the noise that the filter leaves. The part of the difference beyond that noise is
-// added to the known light at once, and the known light keeps its detail. This is the positive-part
-// estimator of James and Stein (1961): of a difference d with noise s it uses the share 1 - (c s /
-// d)^2, and nothing below c s.
+// Noise and change look alike in a single pixel, but the mean over many pixels cancels only noise.
+// So the filtered difference between this frame and the known light (`filter.wgsl`) is compared
+// with the noise that remains after the filter. The part of the difference above that noise is
+// added to the known light at once, which keeps its detail. This is the positive-part estimator of
+// James and Stein (1961): of a difference d with noise s it uses the share 1 - (c s / d)^2, or zero
+// below c s.
 
 import package::constants::FILTER_STEPS;
 
-// Light that is known of a pixel.
+// The known light of a pixel.
 struct Known {
     // Irradiance in rgb, openness in a.
     irradiance: vec4f,
-    // Number of frames in the mean; 0: nothing is known.
+    // Number of frames in the mean; 0 if no light is known.
     frames: f32,
 }
 
@@ -21,22 +21,22 @@ const WIDEST: u32 = FILTER_STEPS - 1u;
 
 // This frame's light at the pixel.
 struct Fresh {
-    // Mean of the traced pixels around; openness in a.
+    // Mean irradiance of the traced pixels around in rgb, openness in a.
     irradiance: vec4f,
     // Light after each step of the filter, from fine to wide.
     steps: array<vec3f, FILTER_STEPS>,
-    // Mean squared difference of a traced pixel to the known light, or if none is known, to the
-    // pixels beside it, divided by the sum of both.
+    // Mean squared difference of a traced pixel to the known light or, if none is known, to the
+    // pixels beside it, divided by their sum.
     noise: f32,
-    // 1, or 0 if none of the traced pixels shows the surface.
+    // 1; 0 if none of the traced pixels shows the surface.
     frames: f32,
-    // The filtered difference in rgb; in a the share of the filter's weight with known light.
+    // The filtered difference in rgb; the share of the filter's weight with known light in a.
     change: vec4f,
 }
 
-// Light that has doubled counts for this many frames: its new part is less certain.
+// Number of frames for which doubled light counts, since its new part is less certain.
 const FRAMES_OF_CHANGE: f32 = 4.0;
-// Differences below this many times their noise are noise.
+// Differences below this multiple of their noise are noise.
 const CERTAIN: f32 = 2.0;
 // Number of independent traced pixels in the light after each step of the filter, on a plain
 // surface.
@@ -59,12 +59,12 @@ fn shift(light: vec3f, change: vec3f, was: vec3f) -> vec3f {
     return select(light + change, light * scale, change < vec3f(0.0));
 }
 
-// Index of the filter step that this frame's light starts from: light from far away has no noise,
-// and near light has little.
+// Index of the filter step that this frame's light starts from: far light has no noise, and near
+// light has little.
 const FILTERED: u32 = 1u;
 
-// This frame's light without its noise: the filtered light, plus the finer detail of each step by
-// the share of it that is not noise (Wiener filter), as in a penumbra.
+// This frame's light without its noise: the filtered light, plus each finer step's detail times its
+// share above noise (Wiener filter), as in a penumbra.
 fn filtered(fresh: Fresh, frames: f32) -> vec3f {
     var light = fresh.steps[FILTERED];
     for (var i = i32(FILTERED) - 1; i >= 0; i--) {

@@ -12,13 +12,13 @@ import package::voxelize::reproducible::is_finite;
 @group(1) @binding(2) var recalled_irradiance: texture_2d<f32>;
 @group(1) @binding(3) var recalled_specular: texture_2d<f32>;
 @group(1) @binding(4) var guide_out: texture_storage_2d<rgba32float, write>;
-// Irradiance in rgb; in a the squared difference to the known light, or if none is known, to the
-// light of the pixels beside it, divided by the sum of both, so that it does not overflow.
+// Irradiance in rgb. In a, the squared difference to the known light or, if none is known, to the
+// pixels beside it, divided by their sum, so that it does not overflow.
 @group(1) @binding(5) var light_out: texture_storage_2d<rgba16float, write>;
-// Difference to the known light in rgb; in a whether anything is known.
+// Difference to the known light in rgb; 1 in a if there is known light.
 @group(1) @binding(6) var change_out: texture_storage_2d<rgba16float, write>;
 
-// Variance of a sample as a share of its expected squared difference from the mean of four like it.
+// Variance of a sample as a share of its expected squared difference from the mean of four others.
 const OF_FOUR: f32 = 0.8;
 
 fn noise(light: vec3f, mean: vec3f) -> f32 {

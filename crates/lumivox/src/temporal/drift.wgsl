@@ -1,5 +1,5 @@
-// How the light at each pixel traced in the last frame has changed since: the means of the old and
-// of the new light of the probes around it, weighted by how much they share its surface.
+// The change of light at each traced pixel of the last frame: the means of the old and of the new
+// light of the probes around it, weighted by their fit to its surface.
 
 import package::cascades::finest_level;
 import package::constants::PROBE_SPACING;
@@ -11,11 +11,11 @@ import package::temporal::probe::{probes_size, Probe, NO_PROBE};
 // Guides of the last frame.
 @group(1) @binding(0) var guides: texture_2d<f32>;
 @group(1) @binding(1) var<storage, read> probes: array<Probe>;
-// Irradiance in rgb; a of `was_out` is 1, or 0 if no probe is near.
+// Irradiance in rgb; in a of `was_out` 1, or 0 if no probe is near.
 @group(1) @binding(2) var was_out: texture_storage_2d<rgba16float, write>;
 @group(1) @binding(3) var now_out: texture_storage_2d<rgba16float, write>;
 
-// Global changes of light vary over this many voxels: more than the light itself.
+// Distance over which global changes of light vary, in voxels: more than that of light itself.
 const REACH: f32 = 48.0;
 
 // Search radius in probes.

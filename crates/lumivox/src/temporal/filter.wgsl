@@ -1,6 +1,6 @@
-// One step of a filter over traced pixels: the mean of 3x3 of them, `step` apart, weighted by how
-// much they share the pixel's surface. Steps of 1, 2, 4 and 8 in sequence are a wide filter with
-// few look-ups: Dammertz et al. 2010, "Edge-avoiding a-trous wavelet transform for fast global
+// One step of a filter over traced pixels: the mean of 3x3 pixels, `step` apart, weighted by their
+// fit to the pixel's surface. Steps of 1, 2, 4 and 8 in sequence are a wide filter with few
+// look-ups: Dammertz et al. 2010, "Edge-avoiding a-trous wavelet transform for fast global
 // illumination filtering".
 
 import package::cascades::finest_level;
@@ -20,11 +20,11 @@ struct FilterStep {
 @group(1) @binding(4) var light_out: texture_storage_2d<rgba16float, write>;
 @group(1) @binding(5) var change_out: texture_storage_2d<rgba16float, write>;
 
-// Light varies over this many voxels, of the finest at the place.
+// Distance over which light varies, in the finest voxels at the place.
 const REACH: f32 = 16.0;
 
-// How much two places share their light, 0 to 1: `between` is the offset between them in voxels,
-// `normal` and `other` are their normals. 0 from a distance of `reach` voxels on.
+// The share of their light that two places have in common, 0 to 1. `between` is the offset between
+// them in voxels, `normal` and `other` are their normals. 0 beyond `reach` voxels.
 fn share(between: vec3f, normal: vec3f, other: vec3f, reach: f32) -> f32 {
     let facing = max(dot(other, normal), 0.0);
     let facing_2 = facing * facing;
@@ -70,7 +70,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         }
     }
     var filtered = light_sum / weights;
-    // The fewer pixels contribute, the more noise is left.
+    // The fewer pixels contribute, the more noise remains.
     filtered.a /= weights;
     textureStore(light_out, place, filtered);
     textureStore(change_out, place, change_sum / weights);

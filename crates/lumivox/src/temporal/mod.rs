@@ -1,10 +1,10 @@
-//! Light of earlier frames, reprojected with the surfaces that it is on.
+//! Light of earlier frames, reprojected with its surfaces.
 //!
 //! A single frame has the noise of a few cones a pixel. Gathered light belongs to a surface, not to
-//! a pixel; so it is looked up where the surface was in the previous frame, and the new light is
+//! a pixel, so it is looked up at the surface's place in the previous frame, and the new light is
 //! blended into it. A filter over many pixels separates change from noise, and changes are applied
-//! at once. It also fills in where nothing is known: after a cut, and where something has just come
-//! into view.
+//! at once. The filter also provides light for pixels without known light: after a cut, and on
+//! newly visible surfaces.
 //!
 //! | step | for each | file |
 //! | --- | --- | --- |
@@ -15,10 +15,10 @@
 //! | blend of both, for the picture and the next frame | pixel | `resolve.wgsl`, `blend.wgsl` |
 //! | sample traced pixels, for the next frame | probe | `take_probes.wgsl` |
 //!
-//! Reflections are looked up where their mirror image was, which moves differently from the
-//! surface.
+//! Reflections are looked up at the previous place of their mirror image, which moves differently
+//! from the surface.
 //!
-//! Only light gathered by cones is reused. Direct light is not: it has no noise, and must not lag.
+//! Only light gathered by cones is reused. Direct light has no noise, and must not lag.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -188,7 +188,7 @@ impl Kernels {
         })
     }
 
-    /// Queues the kernels that geometry with or without emitters needs for compilation.
+    /// Queues for compilation the kernels that geometry with or without emitters needs.
     pub(crate) fn expect(&self, device: &Pipelines, has_emitters: bool) {
         self.trace_probes.expect(device, has_emitters);
         let Self { drift, take_probes, recall, compare, filter, resolve, .. } = self;
@@ -204,7 +204,7 @@ pub(crate) struct Traced<'a> {
     /// Output of the cones, at the traced size.
     pub(crate) irradiance: &'a TextureView,
     pub(crate) specular: &'a TextureView,
-    /// Distance to what is reflected.
+    /// Distance of the reflected surface.
     pub(crate) distance: &'a TextureView,
     /// The outputs, at the size of the picture.
     pub(crate) outputs: [&'a Texture; 2],
@@ -234,7 +234,7 @@ pub(crate) struct Past {
     seen: Mutex<Seen>,
 }
 
-/// Source of the next frame's recall.
+/// The source of known light for the next frame.
 #[derive(Clone, Debug)]
 enum Seen {
     Nothing,
@@ -299,7 +299,7 @@ impl Past {
         });
     }
 
-    /// Whether the next frame recalls anything, and whether `content` has changed since the last
+    /// Whether the next frame has known light, and whether `content` has changed since the last
     /// frame.
     pub(crate) fn known(&self, content: [u64; 2]) -> [bool; 2] {
         match self.seen() {
@@ -411,8 +411,7 @@ impl Past {
         group.view(distance).build(device, "recall")
     }
 
-    /// Bind group for recalling light that was kept at another size; `None` if the next frame does
-    /// not.
+    /// Bind group for recalling light of another size; `None` if the known light has the same size.
     pub(crate) fn former_group(
         &self,
         device: &wgpu::Device,

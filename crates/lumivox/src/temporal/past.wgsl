@@ -1,4 +1,4 @@
-// The last frame's light at a texel, and how well the texel fits a surface.
+// The last frame's light at a texel, and the texel's fit to a surface.
 
 import package::temporal::record::decode_record;
 import package::trace::fit::fit;
@@ -10,16 +10,16 @@ import package::trace::view::view;
 @group(1) @binding(2) var past_specular: texture_2d<f32>;
 @group(1) @binding(3) var past_records: texture_2d<u32>;
 
-// Above this fit a texel or a neighbour is the same surface.
+// A texel or a neighbour with a larger fit shows the same surface.
 const SAME_SURFACE: f32 = 0.5;
 
-// The size of the recalled picture; the previous frame may have had another size than this one.
+// The size of the recalled picture, which may differ from this frame's.
 fn past_size() -> vec2f {
     return vec2f(textureDimensions(past_records));
 }
 
-// The position of a texel's surface when it was recorded: at the center of the texel, wherever
-// within it was sampled.
+// The position of a texel's surface when it was recorded. It is at the texel's center, even if
+// another point of the texel was sampled.
 fn past_position(texel: vec2i, depth: f32) -> vec3f {
     let uv = (vec2f(texel) + 0.5) / past_size() + view.jitter / vec2f(view.size);
     let ndc = vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
@@ -27,7 +27,7 @@ fn past_position(texel: vec2i, depth: f32) -> vec3f {
     return world.xyz / world.w;
 }
 
-// How well a texel fits the surface, 0 to 1.
+// The fit of a texel to the surface, 0 to 1.
 fn texel_fit(texel: vec2i, surface: Surface, slack: f32) -> f32 {
     if any(texel < vec2i(0)) || any(texel >= vec2i(past_size())) {
         return 0.0;
@@ -40,7 +40,7 @@ fn texel_fit(texel: vec2i, surface: Surface, slack: f32) -> f32 {
     return fit(offset / slack, record.normal, surface);
 }
 
-// The place in the last frame that a motion comes from, in texels; whole numbers are centers of
+// The place in the last frame where a motion starts, in texels; whole numbers are centers of
 // texels.
 fn former_place(pixel: vec2u, motion: vec2f) -> vec2f {
     let ratio = past_size() / vec2f(view.size);

@@ -1,18 +1,17 @@
-// One traced pixel of each 3x3, from which the next frame measures how the light has changed.
+// A probe: one traced pixel of each 3x3, by which the next frame measures the change of light.
 
 import package::constants::PROBE_SPACING;
 
 struct Probe {
     position_in_world: vec3f,
-    // The index in its jitter sequence.
+    // The index in the pixel's jitter sequence.
     turn: u32,
     shading_normal: vec3f,
     // The pixel: x in the lower half, y in the upper; NO_PROBE if nothing was traced.
     pixel: u32,
     geometric_normal: vec3f,
     padding_0: u32,
-    // The irradiance that the probe's cones gathered, and the irradiance that the same cones gather
-    // now.
+    // The irradiance that the probe's cones gathered, and that they gather now.
     was: vec3f,
     padding_1: u32,
     now: vec3f,

@@ -1,7 +1,7 @@
-// Light of earlier frames for the surface at a pixel, read where the surface was in the previous
+// Light of earlier frames for the surface at a pixel, read at the surface's place in the previous
 // frame's picture.
 //
-// The four texels around that place are weighted bilinearly and by how well they fit the surface. A
+// The four texels around that place are weighted bilinearly and by their fit to the surface. A
 // surface that has not moved in the picture uses its own texel, so that nothing blurs. If none of
 // the four fits, as at the border of an object when the picture is jittered within the pixels, the
 // best of the neighbours is used.
@@ -22,19 +22,19 @@ import package::trace::view::{camera_motion, view};
 import package::voxelize::reproducible::is_finite;
 
 @group(1) @binding(4) var irradiance_out: texture_storage_2d<rgba16float, write>;
-// Frames in a: 0 if nothing is known, negative if the reflection's own place was not found.
+// Reflection in rgb. In a the number of frames: 0 if no light is known, negative if the place of
+// the reflection's image was not found.
 @group(1) @binding(5) var specular_out: texture_storage_2d<rgba16float, write>;
-// Traced pixels of the last frame: their surfaces, and the old and new light of the probes near
-// them.
+// Traced pixels of the last frame: their surfaces, and the old and new light of probes near them.
 @group(1) @binding(6) var past_guides: texture_2d<f32>;
 @group(1) @binding(7) var probes_were: texture_2d<f32>;
 @group(1) @binding(8) var probes_are: texture_2d<f32>;
 
-// Tolerance in texels for a place at the center of a texel: rounding of matrices.
+// Tolerance for places at the center of a texel, in texels, for rounding of matrices.
 const SAME_TEXEL: f32 = 0.01;
 // Texels with less total weight than this are ignored.
 const LEAST_WEIGHT: f32 = 0.1;
-// An object that has moved may be off its former plane, by this many voxels.
+// Distance by which a moved object may be off its former plane, in voxels.
 const MOVED_SLACK: f32 = 4.0;
 
 // Maximum frames in the mean of a surface that moves in the picture: each look-up between texels
@@ -44,11 +44,11 @@ const MOVING_FRAMES: f32 = 32.0;
 // Frame count of light if no probe shows how it has changed.
 const UNKNOWN_FRAMES: f32 = 4.0;
 
-// If the light has changed so much that it counts for fewer frames than this, its reflections have
-// changed, too.
+// If changed light counts for fewer frames than this, reflections have changed, too.
 const CHANGED_FRAMES: f32 = 64.0;
 
-// Light that is up to this many times brighter keeps its detail; the excess is added uniformly.
+// Maximum factor by which brighter light is scaled, which keeps its detail; the excess is added
+// uniformly.
 const MOST_BRIGHTER: f32 = 4.0;
 
 struct Recalled {
@@ -57,7 +57,7 @@ struct Recalled {
     frames: f32,
     weights: f32,
     is_same_texel: bool,
-    // Whether the reflection was found where its image was, in light that has hardly changed.
+    // Whether the reflection was found at its image's place, in light that has hardly changed.
     is_image: bool,
 }
 
@@ -80,7 +80,7 @@ struct Drifted {
     most_frames: f32,
 }
 
-// Known light of a place in the last frame, updated by the change since.
+// Known light of a place in the last frame, plus its change since then.
 fn drift(light: vec3f, place: vec2f, surface: Surface, slack: f32) -> Drifted {
     let small = place / f32(settings.scale);
     let last = vec2i(textureDimensions(past_guides)) - 1;
@@ -116,7 +116,7 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
     let slack = select(1.0, MOVED_SLACK, any(abs(own_motion) * vec2f(view.size) > vec2f(SAME_TEXEL)));
     let exact = former_place(pixel, motion);
     let nearest = round(exact);
-    // Far outside, the coordinates may not fit into an integer.
+    // Coordinates far outside may not fit into an integer.
     if !(all(exact > vec2f(-2.0)) && all(exact < past_size() + 1.0)) {
         return recalled;
     }

@@ -1,14 +1,14 @@
 // Record of a pixel's surface, in two words: its depth in clip space, its normal, the number of
-// frames in the mean of its light, and whether it was newly seen.
+// frames in the mean of its light, and whether the surface is newly seen.
 
 import package::trace::surface::{octahedral_decode, octahedral_encode};
 
 struct Record {
     depth: f32,
     normal: vec3f,
-    // 0 if there was no surface.
+    // Number of frames in the mean; 0 without surface.
     frames: f32,
-    // Whether no earlier frame had light for the surface.
+    // Whether earlier frames had no light for the surface.
     is_new: bool,
 }
 

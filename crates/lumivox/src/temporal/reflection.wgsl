@@ -1,4 +1,4 @@
-// The known reflection of the surface at a pixel, read where its mirror image was in the last
+// The known reflection of the surface at a pixel, read at the place of its mirror image in the last
 // frame's picture. That image moves differently from the surface.
 
 import package::grid::grid;
@@ -10,13 +10,12 @@ import package::trace::surface::Surface;
 import package::trace::view::{camera_motion, view};
 import package::voxelize::reproducible::is_finite;
 
-// Distance to what is reflected, in voxels.
+// Distance of the reflected surface, in voxels.
 @group(1) @binding(9) var reflected_distance: texture_2d<f32>;
 
-// How far behind the surface its reflection appears, in metres: for a flat mirror as far as the
-// reflected object is in front of it, less for rougher surfaces (Lagarde and de Rousiers 2014,
-// "Moving Frostbite to physically based rendering", section 4.9.3), and less behind a convex one
-// (the mirror equation).
+// Distance of the mirror image behind the surface, m: that of the reflected object in front of it
+// for a flat mirror, less for rougher surfaces (Lagarde and de Rousiers 2014, "Moving Frostbite to
+// physically based rendering", section 4.9.3), and less for convex ones (the mirror equation).
 fn image_distance(pixel: vec2u, surface: Surface, around: Around) -> f32 {
     var distance = 0.0;
     for (var i = 0; i < 4; i++) {

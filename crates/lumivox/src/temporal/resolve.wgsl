@@ -1,5 +1,5 @@
 // This frame's light at every pixel: the light gathered around it, blended into the known light.
-// The result is the light of the picture, and what the next frame recalls.
+// The result is the light of the picture, and the known light of the next frame.
 
 import package::constants::FILTER_STEPS;
 import package::temporal::blend::{blend, Fresh, Known};
@@ -30,10 +30,9 @@ import package::voxelize::reproducible::is_finite;
 
 // Maximum frames in the mean of a reflection on a rough surface, seen by a moving camera.
 const GLOSSY_FRAMES: f32 = 16.0;
-// Reflections on surfaces smoother than this show edges, which may move if anything in the scene
-// does.
+// Reflections on surfaces smoother than this show edges, which may move if objects in the scene do.
 const SHARP_ROUGHNESS: f32 = 0.35;
-// Reflections within this many standard deviations of those around are plausible.
+// Maximum difference of a plausible reflection from those around, in standard deviations.
 const PLAUSIBLE: f32 = 1.5;
 
 // Maximum distance of the pixel's center from the sampled point, divided by its distance to the
@@ -77,7 +76,7 @@ fn blend_specular(pixel: vec2u, surface: Surface, around: Around, known: vec4f, 
     if known.a == 0.0 {
         return fresh;
     }
-    // The place of the mirror image in the last frame is uncertain: smooth surfaces keep little.
+    // If the place of the mirror image in the last frame is uncertain, smooth surfaces keep little.
     let most = select(1e4, GLOSSY_FRAMES * smoothstep(0.05, 0.4, roughness), known.a < 0.0);
     var past = known.rgb;
     if known.a < 0.0 || (settings.has_changed != 0u && roughness < SHARP_ROUGHNESS) {
@@ -87,7 +86,7 @@ fn blend_specular(pixel: vec2u, surface: Surface, around: Around, known: vec4f, 
     return vec4f(mix(past, fresh.rgb, weight), fresh.a);
 }
 
-// The plane of a pixel's surface at the center of the pixel: the next frame has another jitter.
+// The point of a pixel's plane at the pixel's center, since the next frame has another jitter.
 fn middle_of(pixel: vec2u, surface: Surface) -> vec3f {
     let uv = (vec2f(pixel) + 0.5 + view.jitter) / vec2f(view.size);
     let far = view.world_from_clip * vec4f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y, 0.0, 1.0);
@@ -139,7 +138,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let recalled = textureLoad(recalled_specular, pixel, 0);
     let known = Known(textureLoad(recalled_irradiance, pixel, 0), abs(recalled.a));
     if is_alone && settings.bounces > 0u && known.frames <= 0.0 {
-        // In any order: each pixel is traced individually.
+        // The order does not matter, since each pixel is traced individually.
         let place = 1u + atomicAdd(&counts[0], 1u);
         if place < arrayLength(&listed) {
             listed[place] = pixel.y * view.size.x + pixel.x;
@@ -148,7 +147,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     var blended = blend(known, fresh);
     var specular = blend_specular(pixel, surface, around, recalled, blended.frames - 1.0);
     if !is_finite(blended.irradiance.rgb) || !is_finite(specular.rgb) {
-        // Discard it.
+        // Discard the light.
         blended = Known(vec4f(0.0, 0.0, 0.0, 1.0), 0.0);
         specular = vec4f(0.0);
     }

@@ -1,4 +1,4 @@
-//! Shared by the tests inside the crate: a device, simple geometry, textures read back.
+//! Helpers of the crate's tests: a device, simple geometry, read-backs.
 
 #[path = "../../tests/it/common/mod.rs"]
 mod common;
@@ -22,7 +22,7 @@ pub(crate) struct SceneBuilder {
 }
 
 impl SceneBuilder {
-    /// A parallelogram whose front is where `u` x `v` points.
+    /// A parallelogram; `u` x `v` points away from its front.
     pub(crate) fn quad(
         mut self,
         corner: Vec3,
@@ -101,8 +101,8 @@ pub(crate) fn lambert(reflectance: f32, emission: f32) -> SurfaceMaterial {
     }
 }
 
-/// A box-shaped room with walls of different colour, a tilted panel that glows, and a tilted plate
-/// in it: every lobe is there, tilted or not, with radiance that differs from place to place.
+/// A box-shaped room with walls of different colours, an emissive tilted panel, and a tilted plate:
+/// it has every lobe, tilted or not, with radiance that differs from place to place.
 pub(crate) fn busy_room() -> SceneBuilder {
     let tinted = |r, g, b, emission| SurfaceMaterial {
         reflectance: Vec3::new(r, g, b).extend(1.0),
@@ -150,10 +150,10 @@ pub(crate) fn moved(geometry: &Geometry, place: Mat4) -> Geometry {
     geometry
 }
 
-/// Waits until the results of everything submitted are known, those of a rebuild included.
+/// Waits until all submitted results are read back, including those of a rebuild.
 ///
-/// It is not enough to poll the device until its work is done: all tests share the device, and
-/// another test's thread may have polled it first, and may still be about to call the callback.
+/// Polling the device until its work is done is not enough: all tests share the device, and another
+/// test's thread may have polled it first and not called the callback yet.
 pub(crate) fn wait_until_read(device: &wgpu::Device, gi: &Gi) {
     loop {
         device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");

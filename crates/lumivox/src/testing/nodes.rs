@@ -14,7 +14,7 @@ use super::{SceneBuilder, busy_room, lambert, morton_decode, read};
 pub(crate) type NodeAt = (u32, [u32; 3]);
 
 /// The nodes that the definition requires (`tree.wgsl`): those with an occupied cell among their
-/// 27, and the way to them from the root.
+/// 27, and their ancestors.
 pub(crate) fn expected_nodes(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -53,9 +53,8 @@ pub(crate) fn expected_nodes(
 /// The words of a node.
 pub(crate) const NODE_WORDS: u32 = 6;
 
-/// The places of all nodes, found by descending from the root, from the words of the octree (the
-/// first `table_words` are the table's) and the sites. Panics if a node is where it does not
-/// belong.
+/// The places of all nodes, found from the root in the words of the octree (the first `table_words`
+/// are the table) and the sites. Panics if a node is in a wrong place.
 pub(crate) fn walk_nodes(
     (words, table_words): (&[u32], u32),
     sites: &[[u32; 2]],
@@ -91,7 +90,7 @@ pub(crate) fn odd_grid() -> Grid {
     Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), 48, Vec3::new(0.3, 0.6, 0.1)).expect("fits")
 }
 
-/// A room with everything in it, turned, so that every lobe is tilted somewhere.
+/// The busy room, turned, so that every lobe is tilted somewhere.
 pub(crate) fn turned_room(device: &wgpu::Device) -> Geometry {
     let turn = Mat4::from_rotation_y(0.3) * Mat4::from_scale(Vec3::splat(0.8));
     busy_room().transformed(turn).build(device)
@@ -105,7 +104,8 @@ pub(crate) fn speck(device: &wgpu::Device) -> (Grid, Geometry) {
     (grid, SceneBuilder::default().quad(corner, u, v, lambert(0.5, 1.0)).build(device))
 }
 
-/// Two hundred triangles in one voxel, which eight nodes a level hold: its coordinates are even.
+/// Two hundred triangles in a voxel with even coordinates, so that eight nodes per level contain
+/// it.
 pub(crate) fn crowded_voxel(device: &wgpu::Device) -> (Grid, Geometry) {
     let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 64, Vec3::ZERO).expect("fits");
     let voxel = Vec3::splat(32.2);
@@ -121,7 +121,7 @@ pub(crate) fn crowded_voxel(device: &wgpu::Device) -> (Grid, Geometry) {
     (grid, geometry)
 }
 
-/// Sheets in every layer of voxels, larger than the grid: no voxel is free.
+/// Sheets in every layer of voxels, larger than the grid: every voxel is occupied.
 pub(crate) fn full_grid(device: &wgpu::Device) -> (Grid, Geometry) {
     let grid = Grid::fit(Vec3::ZERO, Vec3::ONE, 32, Vec3::ZERO).expect("fits");
     let far = 10.0;

@@ -7,14 +7,14 @@ import package::trace::surface::Surface;
 
 struct Around {
     sources: array<vec2u, 4>,
-    // They add up to 1; zeros if none shows a surface.
+    // Weights that add up to 1; zeros if none of the pixels shows a surface.
     weights: array<f32, 4>,
-    // Fit of the best of them.
+    // The largest fit of the four pixels.
     best: f32,
 }
 
-// A neighbour with a smaller fit is ignored: a third of a voxel off the plane, or turned by 25
-// degrees.
+// Neighbours with a smaller fit are ignored: those a third of a voxel off the plane, or turned by
+// 25 degrees.
 const FITS: f32 = 0.66;
 
 fn traced_around(pixel: vec2u, surface: Surface) -> Around {
@@ -42,7 +42,7 @@ fn traced_around(pixel: vec2u, surface: Surface) -> Around {
         let bilinear = abs(vec2f(1 - offset) - fraction);
         let between = other.position_in_world - surface.position_in_world;
         let fits = fit(between, other.shading_normal, surface);
-        // The floors give a pixel that fits nowhere the mean of its neighbours.
+        // With these floors, a pixel that no neighbour fits gets the mean of its neighbours.
         let weight = (bilinear.x * bilinear.y + 1e-3) * (fits + 1e-4);
         around.best = max(around.best, fits);
         around.sources[i] = source;

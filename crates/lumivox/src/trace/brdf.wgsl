@@ -11,9 +11,9 @@ fn alpha_from_roughness(perceptual_roughness: f32) -> f32 {
     return max(perceptual_roughness * perceptual_roughness, MIN_ALPHA);
 }
 
-// Schlick 1994. The reflectance at grazing angles, f90, is 1, and fades to 0 with an F0 below 2 %,
-// less than any real dielectric (Lagarde and de Rousiers 2014, section 3.1.3): F0 = 0 disables
-// reflection.
+// Schlick 1994. The reflectance at grazing angles, f90, is 1, and fades to 0 for an F0 below 2 %,
+// less than that of any real dielectric (Lagarde and de Rousiers 2014, section 3.1.3): F0 = 0
+// disables reflection.
 fn fresnel_schlick(f0: vec3f, cos_theta: f32) -> vec3f {
     let f90 = saturate(dot(f0, vec3f(50.0 * 0.33)));
     let rest = saturate(1.0 - cos_theta);
@@ -52,7 +52,7 @@ fn ggx_masking(n_dot_v: f32, alpha: f32) -> f32 {
     return 2.0 * n_dot_v / (n_dot_v + sqrt(a2 + (1.0 - a2) * n_dot_v * n_dot_v));
 }
 
-// Density, per steradian, of a direction reflected at a visible normal.
+// Density, 1/sr, of a direction reflected at a visible normal.
 fn mirrored_density(n_dot_v: f32, n_dot_h: f32, alpha: f32) -> f32 {
     return ggx_masking(n_dot_v, alpha) * ggx_distribution(n_dot_h, alpha) / (4.0 * n_dot_v);
 }

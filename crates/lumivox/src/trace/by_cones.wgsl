@@ -4,7 +4,7 @@ import package::cones::cone::ConeSettings;
 import package::cones::gather::{gather, Gathered};
 import package::volume::far_light::Known;
 
-// Marched cones find all light themselves.
+// Marched cones use no known light.
 fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
 }
 

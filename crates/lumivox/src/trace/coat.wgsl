@@ -1,9 +1,9 @@
 // A clear coat on the surface of a pixel: a dielectric with a reflectance of 4 %
 // (KHR_materials_clearcoat).
 //
-// It covers the share `strength` of the surface. The layer below is dimmed by what the coat
-// reflects towards the camera, 1 - strength * F(n . v): the extension's own approximation, in which
-// light enters without loss.
+// It covers the share `strength` of the surface. The layer below is dimmed by the light that the
+// coat reflects towards the camera, to 1 - strength * F(n . v): the extension's own approximation,
+// in which light enters without loss.
 
 import package::trace::brdf::{alpha_from_roughness, fresnel_schlick};
 import package::trace::gbuffer::load_specular;
@@ -12,7 +12,7 @@ import package::trace::surface::Specular;
 const COAT_F0: f32 = 0.04;
 
 struct Coat {
-    // 0: no coat.
+    // Strength, 0 to 1; 0 for no coat.
     strength: f32,
     alpha: f32,
 }

@@ -51,7 +51,7 @@ fn gather_at(
     );
 }
 
-// The mean of `turns` turns, starting at `turn`; the samples are their sum.
+// The mean of `turns` turns, starting at `turn`; samples are added.
 fn trace_diffuse(pixel: vec2u, turn: u32, turns: u32) -> TracedDiffuse {
     let surface = load_surface(pixel);
     if surface.depth <= 0.0 || settings.bounces == 0u {
@@ -69,7 +69,7 @@ fn trace_diffuse(pixel: vec2u, turn: u32, turns: u32) -> TracedDiffuse {
         mean.irradiance += traced.irradiance / f32(turns);
         mean.samples += traced.samples;
     }
-    // Next to a filament it may exceed the largest half float.
+    // Next to a filament the irradiance may exceed the largest half float.
     mean.irradiance = min(mean.irradiance, vec4f(LARGEST_HALF));
     return mean;
 }

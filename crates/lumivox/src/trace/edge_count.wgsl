@@ -2,7 +2,7 @@
 
 import package::constants::{LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS};
 
-// The number of listed pixels, followed by the workgroups of that dispatch.
+// The number of listed pixels, followed by the dispatch's workgroups.
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
 @group(1) @binding(1) var<storage, read_write> listed: array<u32>;
 

@@ -1,5 +1,4 @@
-// At half resolution, traces the pixels that no traced neighbour fits: thin objects and
-// silhouettes.
+// At half resolution, traces pixels that no traced neighbour fits: thin objects and silhouettes.
 //
 // `reconstruct.wgsl` lists them. Each thread handles one element of the list, so that no workgroup
 // waits for a few of its threads.
@@ -41,7 +40,7 @@ fn diffuse(
     }
 }
 
-// Counts as many diffuse samples a turn as the traced pixel of the same block took.
+// Counts the same number of diffuse samples per turn as for the block's traced pixel.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn specular(
     @builtin(global_invocation_id) invocation: vec3u,

@@ -1,12 +1,11 @@
-// How much two places share the light that arrives at them. What cones gather is smooth below the
-// size of a voxel, so the fit of a place falls to zero up to a voxel off the surface's plane, and
-// falls with the angle between the normals.
+// The share of arriving light that two places have in common. Light gathered by cones is smooth
+// below the size of a voxel, so the fit of a place falls to zero within a voxel off the surface's
+// plane, and falls with the angle between the normals.
 
 import package::cascades::voxel_size_at;
 import package::trace::surface::Surface;
 
-// 1: the same surface, 0: a different one. `offset` is from the surface to the other place, in
-// metres.
+// 1 on the same surface, 0 on another. `offset` is from the surface to the other place, m.
 fn fit(offset: vec3f, normal: vec3f, surface: Surface) -> f32 {
     let off_plane = abs(dot(offset, surface.geometric_normal));
     let facing = max(dot(normal, surface.shading_normal), 0.0);

@@ -3,24 +3,24 @@
 use crate::gpu::{BindGroup, BindGroupBuilder, Buffer, LayoutBuilder, Pipelines};
 use crate::mounted::{Mounted, Resource};
 
-/// In [`GBufferViews::motion`], the x of a surface that is static in the world: only the camera
-/// moves it in the picture. A pass that draws moving objects clears its target to this.
+/// The x in [`GBufferViews::motion`] of surfaces that are static in the world, so that only the
+/// camera moves them in the picture. A pass that draws moving objects clears its target to this.
 pub const AS_THE_CAMERA: f32 = 1024.0;
 
 /// Views of the G-buffer's textures, all with the picture's size.
 #[derive(Clone, Copy, Debug)]
 pub struct GBufferViews<'a> {
-    /// `Depth32Float`, reversed z; 0 where there is no surface.
+    /// `Depth32Float`, reversed z; 0 for pixels without surface.
     pub depth: &'a wgpu::TextureView,
     /// Octahedral shading normal in xy and geometric normal in zw, both towards the camera
     /// (`Rgba16Float`).
     pub normals: &'a wgpu::TextureView,
-    /// Diffuse albedo, and in a one minus the strength of a clear coat: 1 without a coat
+    /// Diffuse albedo in rgb; in a, 1 minus the strength of a clear coat, so 1 without a coat
     /// (`Rgba8UnormSrgb` or any other float format).
     pub diffuse: &'a wgpu::TextureView,
-    /// Specular reflectance at normal incidence, and perceptual roughness in a.
+    /// Specular reflectance at normal incidence in rgb, perceptual roughness in a.
     pub specular: &'a wgpu::TextureView,
-    /// Emitted radiance, and in a the coat's perceptual roughness (`Rgba16Float`).
+    /// Emitted radiance in rgb; the coat's perceptual roughness in a (`Rgba16Float`).
     pub emission: &'a wgpu::TextureView,
     /// In xy the position of a pixel's surface in the picture minus its position in the previous
     /// frame, as a share of the picture, x to the right, y down (`Rg16Float`); [`AS_THE_CAMERA`]
@@ -52,7 +52,7 @@ impl<'a> From<&'a [Resource]> for GBuffer<'a> {
 }
 
 impl GBuffer<'_> {
-    /// Whether it has a texture of motion in Lumivox's layout.
+    /// `true` if it has a texture of motion in Lumivox's layout.
     pub(super) fn has_motion(&self) -> bool {
         matches!(self, Self::Views(GBufferViews { motion: Some(_), .. }))
     }

@@ -7,12 +7,12 @@ import package::constants::AS_THE_CAMERA;
 import package::trace::surface::{octahedral_decode, Specular, Surface};
 import package::trace::view::{camera_motion, position_from_depth, view};
 
-// Reversed z: 1 at the near plane, 0 at infinity and where there is no surface.
+// Reversed z: 1 at the near plane, 0 at infinity and for pixels without surface.
 @group(3) @binding(1) var gbuffer_depth: texture_depth_2d;
 // Octahedral unit vectors in [-1, 1]: shading normal in xy, geometric normal in zw; both face the
 // camera.
 @group(3) @binding(2) var gbuffer_normals: texture_2d<f32>;
-// Diffuse albedo in rgb; in a 1 - the strength of a clear coat.
+// Diffuse albedo in rgb; 1 minus the strength of a clear coat in a.
 @group(3) @binding(3) var gbuffer_diffuse: texture_2d<f32>;
 // Specular reflectance at normal incidence in rgb, perceptual roughness in a.
 @group(3) @binding(4) var gbuffer_specular: texture_2d<f32>;

@@ -1,8 +1,8 @@
-// The direction that a glossy lobe traces, and the light from afar that it reflects without tracing
-// rays: what the faces around have gathered (near_and_far.wgsl), for rough lobes.
+// The direction that a glossy lobe traces, and the far light that rough lobes reflect without
+// tracing rays, as gathered by the faces around (near_and_far.wgsl).
 //
-// Known light has no noise from pixel to pixel, but an error that is the same for a few voxels. So
-// the first frame of a mean takes all of it, and later ones less.
+// Known light does not have noise per pixel, but errors that extend over a few voxels. So the first
+// frame of a mean uses it fully, and later ones less.
 
 import package::constants::{FAR_CELLS, PI};
 import package::emitters::emitter::strength;
@@ -11,11 +11,11 @@ import package::trace::screen::{settings, share_in_mean};
 import package::trace::view::view;
 import package::trace::gather_method::known_from;
 
-// Frames of a mean that take known light.
+// Number of frames of a mean that use known light.
 const KNOWN_FRAMES: u32 = 12u;
 
-// The share of known light in what a lobe reflects from afar. A lobe narrower than a cell of known
-// light takes none.
+// The share of known light in the far light that a lobe reflects; 0 for lobes narrower than a cell
+// of known light.
 fn share_of_known(alpha: f32) -> f32 {
     let lobe_solid_angle = 4.0 * PI * alpha * alpha;
     let wide = saturate(lobe_solid_angle / (2.0 * PI / f32(FAR_CELLS)) - 1.0);
@@ -25,19 +25,19 @@ fn share_of_known(alpha: f32) -> f32 {
 
 // A direction chosen from several draws of a lobe, and the known light that the lobe reflects.
 struct Resampled {
-    // Its weight is that of the choice.
+    // The direction; its weight includes the probability of the choice.
     drawn: Drawn,
     known: vec3f,
 }
 
 // Draws directions in a grid of random numbers, looks up known light in each if `looks_up`, and
 // chooses one in proportion to its weight (resampled importance sampling: Talbot et al. 2005,
-// "Importance resampling for global illumination"). So the weights of traced light hardly vary: in
-// even light there is little noise. `cells_from_normal` transforms to the frame whose z is the
-// surface's own normal, `numbers` are random.
+// "Importance resampling for global illumination"). So the weights of traced light hardly vary, and
+// even light has little noise. `cells_from_normal` transforms to the frame whose z is the geometric
+// normal; `numbers` are random.
 //
 // If all weights are equal, the choice is the direction of the first two numbers, otherwise one
-// near it, so a sequence of them stays well spread.
+// near it, so a sequence of choices stays well spread.
 fn resample(lobe: Lobe, cells_from_normal: mat3x3f, numbers: vec3f, looks_up: bool) -> Resampled {
     var chosen = Resampled(Drawn(vec3f(0.0), 0.0, vec3f(0.0)), vec3f(0.0));
     let own = vec2u(numbers.xy * f32(GRID));

@@ -29,11 +29,11 @@ fn fresnel_of(lobe: Lobe, cosine: f32) -> vec3f {
 }
 
 struct Drawn {
-    // To the light.
+    // The unit vector to the light.
     direction: vec3f,
-    // Per steradian.
+    // The density, 1/sr.
     density: f32,
-    // The share of the light from there that is reflected, divided by the density: F G2 / G1.
+    // The reflected share of light from the direction, divided by the density: F G2 / G1.
     weight: vec3f,
 }
 
@@ -55,13 +55,13 @@ fn draw_direction(lobe: Lobe, numbers: vec2f) -> Drawn {
 const GRID: u32 = 4u;
 const DRAWS: u32 = GRID * GRID;
 
-// The place in a column of the grid, where odd columns run backwards.
+// The place in a column of the grid; odd columns run backwards.
 fn wind(place: u32, column: u32) -> u32 {
     return select(place, GRID - 1u - place, (column & 1u) != 0u);
 }
 
 // Direction `place` of DRAWS, each drawn from its own cell of a grid of random numbers, all at the
-// place of `numbers` in its cell. The grid is gone through in a winding line, so that consecutive
+// place of `numbers` in its cell. The order of the grid is a winding line, so that consecutive
 // directions are near each other.
 fn draw_in_grid(lobe: Lobe, numbers: vec2f, place: u32) -> Drawn {
     let within = fract(numbers * f32(GRID));

@@ -1,9 +1,7 @@
-// Reflection of emitters by a glossy lobe.
-//
-// A narrow lobe rarely meets a point drawn on a large emitter, and a wide one rarely a small
-// emitter. The two ways of sampling are combined by the squares of both densities (the power
-// heuristic: Veach and Guibas 1995, "Optimally combining sampling techniques for Monte Carlo
-// rendering").
+// Reflection of emitters by a glossy lobe. Points drawn on a large emitter are rarely in a narrow
+// lobe, and draws of a wide lobe rarely hit a small emitter. Both ways of sampling are combined by
+// the squares of their densities (the power heuristic: Veach and Guibas 1995, "Optimally combining
+// sampling techniques for Monte Carlo rendering").
 
 import package::emitters::along::{emitter_along, point_along, Met};
 import package::emitters::draw::{draw_emitter, emitters, point_of, EmitterPoint};
@@ -19,8 +17,7 @@ import package::trace::surface::Surface;
 const REFLECTED: u32 = 4u;
 const EXPECTING: u32 = 2u;
 
-// More levels of the tree than these take long to go through, so fewer draws of the lobe look for
-// emitters.
+// Searches of a tree with more levels take long, so fewer draws of the lobe look for emitters.
 const FEW_LEVELS: u32 = 6u;
 
 // The number of draws of a lobe that look for emitters, in each column of the grid.
@@ -29,7 +26,7 @@ fn draws_in_column() -> u32 {
 }
 
 // Weight of lobe sampling for the light of a direction: `density` is the lobe's density, `emitted`
-// approximately that of the emitters, both in 1/sr.
+// the approximate density of emitter sampling, 1/sr.
 fn share_of_lobe(density: f32, emitted: f32) -> f32 {
     let by_lobe = f32(GRID * draws_in_column()) * density;
     let by_points = f32(REFLECTED) * emitted;
@@ -37,7 +34,7 @@ fn share_of_lobe(density: f32, emitted: f32) -> f32 {
 }
 
 // The light of a point on an emitter that the lobe reflects to the camera, without occlusion, times
-// the point's solid angle and the weight of emitter sampling. `expected` is approximately the
+// the point's solid angle and the weight of emitter sampling. `expected` is the approximate
 // irradiance from all emitters.
 fn reflected_from(point: EmitterPoint, lobe: Lobe, normal_from_world: mat3x3f, geometric_normal: vec3f, expected: f32) -> vec3f {
     let light = normal_from_world * point.direction;
@@ -93,10 +90,10 @@ fn offer(choice: Choice, met: Met, direction: vec3f, light: vec3f) -> Choice {
     return next;
 }
 
-// The light of emitters that the lobe reflects: all draws of the lobe that meet an emitter and
-// several points on emitters say how much it is without occlusion, and a ray to one of them tests
-// visibility. `draws` are the random numbers of the lobe's draws, `numbers` those of the points. In
-// a the samples of the ray.
+// The light of emitters that the lobe reflects in rgb; the samples of its ray in a. Draws of the
+// lobe that hit an emitter, and several points on emitters, estimate the light without occlusion; a
+// ray to one of them tests visibility. `draws` are the random numbers of the lobe's draws,
+// `numbers` those of the points.
 fn reflect_emitters(
     surface: Surface,
     lobe: Lobe,
@@ -109,7 +106,7 @@ fn reflect_emitters(
     let place = grid_from_world(surface.position_in_world);
     var choice = Choice(Met(0u, FAR), vec3f(0.0), vec3f(0.0), 0.0, fract(numbers.x * 4096.0));
     let rows = draws_in_column();
-    // Over the frames, each row has its turn.
+    // Each frame starts at a random row.
     let first_row = u32(draws.y * f32(GRID));
     for (var i = 0u; i < GRID * rows; i++) {
         let drawn = draw_in_grid(lobe, draws, GRID * (i / rows) + (first_row + i) % GRID);

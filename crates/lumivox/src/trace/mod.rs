@@ -1,9 +1,9 @@
 //! Cones from the pixels of a G-buffer: diffuse irradiance, occlusion, glossy reflection.
 //!
 //! A frame traces one jittered direction in each cell of the hemisphere and one in the glossy lobe;
-//! the mean over frames is what the settings describe. Output textures hold a single frame, in
-//! which adjacent pixels share their light, less with each frame (`reconstruct.wgsl`), or with the
-//! setting `temporal` the mean of the frames so far.
+//! the mean over frames converges to the cones of the settings. With the setting `temporal`, output
+//! textures contain the mean of the frames so far; otherwise a single frame, in which adjacent
+//! pixels share their light, less with each frame (`reconstruct.wgsl`).
 
 mod gbuffer;
 mod targets;
@@ -74,7 +74,7 @@ impl ScreenSettings {
             has_changed: 0,
             turns: 1,
             listed_turns: 1,
-            // Marched cones are wide enough without sharing.
+            // Marched cones are wide enough that pixels need not share light.
             shares: u32::from(!marches),
             padding: [0; 3],
         }
@@ -173,7 +173,7 @@ impl Tracer {
         })
     }
 
-    /// Queues the kernels that geometry with or without emitters needs for compilation.
+    /// Queues for compilation the kernels that geometry with or without emitters needs.
     pub(crate) fn expect(&self, device: &Pipelines, has_emitters: bool) {
         let half = self.half_kernels.get();
         let edges = half.into_iter().flat_map(|kernels| &kernels.edges);
@@ -188,7 +188,7 @@ impl Tracer {
         }
     }
 
-    /// Links the kernel that makes a picture without light of earlier frames, at its first use.
+    /// Links the kernel for pictures without light of earlier frames, at its first use.
     pub(crate) fn prepare_reconstruct(
         &self,
         device: &Pipelines,
@@ -250,7 +250,7 @@ impl Tracer {
         recorder.stage("trace");
         targets.with_settings(self, &device, |slot| {
             let known = targets.past.as_ref().map(|past| past.known(bound.content));
-            // If no light is known yet, trace more turns at once.
+            // If no light is known yet, more turns are traced.
             let listed_turns = if known.is_some() { temporal::FIRST_TURNS } else { 1 };
             let [remembers, has_changed] = known.unwrap_or_default().map(u32::from);
             let turns = if remembers != 0 { 1 } else { listed_turns };
@@ -260,8 +260,7 @@ impl Tracer {
             slot.set(recorder.queue(), &own);
             let group = |own| [bound.globals, own, bound.lights, bound.gbuffer];
             let UVec2 { x, y } = targets.traced_size();
-            // Diffuse cones must not find emitters as well, since their pixels sample emitters
-            // explicitly.
+            // Diffuse cones must not see emitters, since pixels sample emitters explicitly.
             let hide_emission = |recorder: &mut Recorder<'_>, hides| {
                 if settings.bounces > 0 {
                     (bound.hide_emission)(recorder, hides);
@@ -317,6 +316,6 @@ pub(crate) struct Bound<'a> {
     pub(crate) has_emitters: bool,
     /// Makes the volume show only reflected light, or all light again.
     pub(crate) hide_emission: &'a dyn Fn(&mut Recorder<'_>, bool),
-    /// Changes whenever what the cones see changes.
+    /// Numbers that change whenever the light or surfaces for the cones do.
     pub(crate) content: [u64; 2],
 }

@@ -2,8 +2,8 @@
 //
 // Light from farther away than NEAR is known: the faces around have gathered it (light/far.wgsl,
 // light/share_far.wgsl), and it is summed over the hemisphere without sampling. Rays find nearer
-// surfaces, whose light replaces the known light in their direction. If nothing is known, rays find
-// everything.
+// surfaces, whose light replaces the known light in their direction. Without known light, rays find
+// all surfaces.
 
 import package::cones::cone::ConeSettings;
 import package::cones::gather::Gathered;
@@ -29,7 +29,7 @@ fn cell_of(local: vec3f) -> u32 {
     return u32(select(INNER_CELLS, 0.0, is_inner) + min(floor(turn * ring), ring - 1.0));
 }
 
-// The four faces around a surface, and their weights: 0 if a face is not part of it.
+// The four faces around a point of a surface, and their weights: 0 for a face of another surface.
 var<private> faces_around: array<u32, 4>;
 var<private> weights_around: array<f32, 4>;
 
@@ -75,12 +75,12 @@ fn known_in(cell: u32) -> Known {
     return Known(mean.rgb, mean.a, weight > 0.0);
 }
 
-// `local` is in the frame whose z is the surface's normal.
+// The far light from a direction `local`, in the frame whose z is the surface's normal.
 fn known_from(local: vec3f) -> Known {
     return known_in(cell_of(local));
 }
 
-// Same contract as `gather` in package::cones::gather.
+// Parameters and result are those of `gather` in package::cones::gather.
 fn gather_surface(
     position_in_world: vec3f,
     shading_normal: vec3f,
@@ -105,7 +105,7 @@ fn gather_surface(
     let origin = cone_start(position_in_world, geometric_normal, level, settings);
     let world_from_normal = basis(shading_normal);
     let jitter = cell_jitter(start, frame);
-    // If only near surfaces occlude, rays find all of them.
+    // With a finite occlusion distance, rays reach that far.
     let near = NEAR * exp2(f32(level));
     let is_occlusion_near = settings.occlusion_distance < 3e38;
     let least_reach = select(near, max(near, settings.occlusion_distance), is_occlusion_near);
@@ -114,7 +114,8 @@ fn gather_surface(
     for (var i = 0u; i < cone_count; i++) {
         let local = cell_cone(i, cone_count, jitter);
         var direction = world_from_normal * local.direction;
-        // With a normal map, a part of the hemisphere is below the surface; mirror it up.
+        // With a normal map, a part of the hemisphere is below the surface; mirror directions there
+        // up.
         let below = min(dot(direction, geometric_normal), 0.0);
         direction = direction - 2.0 * below * geometric_normal;
         let known = known_from(cells_from_world * direction);

@@ -1,4 +1,4 @@
-// From traced pixels to the picture: each pixel is the weighted mean of the four traced pixels
+// Makes the picture from traced pixels: each pixel is the weighted mean of the four traced pixels
 // around it (`around.wgsl`), or its own value at full resolution. In the first frames it also
 // includes the light of adjacent traced pixels. If none of the four fits, the pixel is listed, to
 // be traced individually (`edges.wgsl`).
@@ -21,15 +21,15 @@ import package::voxelize::reproducible::is_finite;
 // Pixel indices in row-major order, from the second element on.
 @group(1) @binding(6) var<storage, read_write> listed: array<u32>;
 
-// Differences below this many times their noise are noise.
+// Differences below this multiple of their noise are noise.
 const CERTAIN: f32 = 3.0;
 
 // The light of 5 x 5 traced pixels around a pixel, and how well they fit its surface.
 var<private> light: array<vec4f, 25>;
 var<private> shares: array<f32, 25>;
 
-// The variance of a traced pixel's noise: what is left after removing everything that is uniform or
-// has a straight edge (Immerkaer 1996, "Fast noise variance estimation").
+// The variance of a traced pixel's noise, estimated by a filter that removes uniform areas and
+// straight edges (Immerkaer 1996, "Fast noise variance estimation").
 fn noise_variance() -> f32 {
     var sum = 0.0;
     var count = 0.0;
@@ -51,14 +51,14 @@ fn noise_variance() -> f32 {
     return sum / max(count, 1e-3);
 }
 
-// `difference` without the part that may be noise of that variance (Wiener filter).
+// `difference` without the part that may be noise of this variance (Wiener filter).
 fn without_noise(difference: vec4f, variance: f32) -> vec4f {
     let size = brightness(abs(difference.rgb));
     return difference * max(1.0 - CERTAIN * CERTAIN * variance / max(size * size, 1e-20), 0.0);
 }
 
-// The mean of 5 x 5 traced pixels, plus the differences of the mean of 3 x 3 and of the pixel
-// itself, as far as they exceed noise.
+// The mean of 5 x 5 traced pixels, plus the parts above noise of two differences: of the mean of 3
+// x 3 pixels to it, and of the pixel itself to that.
 fn gathered_beside(centre: vec2u, surface: Surface, own: vec4f) -> vec4f {
     let last = vec2i(traced_size()) - 1;
     var near = vec4f(0.0);
@@ -130,7 +130,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     textureStore(irradiance_out, pixel, irradiance);
     textureStore(specular_out, pixel, specular);
     if around.best < FITS && settings.bounces > 0u {
-        // In any order: each pixel is traced individually.
+        // The order does not matter, since each pixel is traced individually.
         let place = 1u + atomicAdd(&counts[0], 1u);
         if place < arrayLength(&listed) {
             listed[place] = pixel.y * view.size.x + pixel.x;

@@ -10,8 +10,8 @@ import package::voxelize::reproducible::is_finite;
 var<private> reflected: array<vec3f, 25>;
 var<private> weights: array<f32, 25>;
 
-// The excess of reflections brighter than this many times the typical one around is spread over all
-// pixels around: one pixel's ray has hit by chance what all of them reflect.
+// Multiple of the typical reflection around above which the excess is spread over all pixels
+// around: one pixel's ray has hit by chance a light that all of them reflect.
 const TYPICAL: f32 = 2.0;
 
 fn brightness(light: vec3f) -> f32 {
@@ -23,9 +23,9 @@ fn above(light: vec3f, limit: f32) -> vec3f {
     return light * max(1.0 - limit / max(brightness(light), 1e-20), 0.0);
 }
 
-// Blends a pixel's own reflection with those of 5 x 5 traced pixels in this frame, weighted by how
-// well they fit the surface and how much their lobes overlap: more if the surface is rougher.
-// `share` is the weight of the latter.
+// Blends a pixel's own reflection with those of 5 x 5 traced pixels in this frame, weighted by
+// their fit to the surface and the overlap of their lobes: more if the surface is rougher. `share`
+// is the weight of the filtered reflection.
 fn filter_reflection(
     own: vec3f,
     share: f32,

@@ -1,4 +1,4 @@
-// Shared by the passes over the screen: the settings, and the mapping from invocations to pixels.
+// The settings of passes over the screen, and their mapping from invocations to pixels.
 
 import package::cones::cone::ConeSettings;
 import package::trace::view::view;
@@ -6,20 +6,19 @@ import package::trace::view::view;
 struct ScreenSettings {
     cones: ConeSettings,
     diffuse_cones: u32,
-    // 1: every pixel; 2: one of each 2x2 block.
+    // 1 to trace every pixel; 2 for one of each 2x2 block.
     scale: u32,
     specular_share: f32,
-    // 0: no indirect light.
+    // Number of bounces; 0 for no indirect light.
     bounces: u32,
     // Whether light of earlier frames is available.
     remembers: u32,
     // Whether light or surfaces have changed since the last frame.
     has_changed: u32,
-    // Turns of their jitter sequences that a frame traces of a pixel, and of a listed pixel
-    // (`edges.wgsl`).
+    // Turns of the jitter sequence per frame, for a traced and for a listed pixel (`edges.wgsl`).
     turns: u32,
     listed_turns: u32,
-    // Whether the first frames of a mean share what pixels and faces have gathered.
+    // Whether the first frames of a mean share the light of pixels and faces.
     shares: u32,
     padding_0: u32,
     padding_1: u32,
@@ -28,7 +27,7 @@ struct ScreenSettings {
 
 @group(1) @binding(0) var<uniform> settings: ScreenSettings;
 
-// The pixel of a block that this frame traces: a different one in each of four frames.
+// The pixel of a block that this frame traces, different in each of four frames.
 fn traced_pixel(invocation: vec2u) -> vec2u {
     if settings.scale == 1u {
         return invocation;
@@ -38,15 +37,15 @@ fn traced_pixel(invocation: vec2u) -> vec2u {
     return min(settings.scale * invocation + shift, view.size - 1u);
 }
 
-// How often this pixel's block has traced it before: its index in the jitter sequence. The frame
-// number does not work, since every fourth element of that sequence is nearly the same.
+// The pixel's index in the jitter sequence: the number of its traces so far. The frame number does
+// not work, since every fourth element of the sequence is nearly the same.
 fn traced_turn() -> u32 {
     return select(view.frame >> 2u, view.frame, settings.scale == 1u);
 }
 
 // Distance between the turns of one frame, so that later frames do not repeat them, chosen so that
-// four of them are well distributed in every sequence of a pixel. (The sequence of cones advances
-// by 0.743 and 0.299, of emitters by 0.755, of lobes by 0.265.)
+// four turns are well distributed in every sequence of a pixel. (The sequence of cones advances by
+// 0.743 and 0.299, of emitters by 0.755, of lobes by 0.265.)
 const TURNS_APART: u32 = 2510u;
 
 // The share of the pixels that a frame traces.
@@ -54,7 +53,7 @@ fn traced_share() -> f32 {
     return 1.0 / f32(settings.scale * settings.scale);
 }
 
-// Frame number at which shared light has a weight of one half.
+// Frame number at which shared light has the weight 1/2.
 const SHARED_FRAMES: f32 = 2.0;
 
 // The weight of shared light in this frame of a mean.

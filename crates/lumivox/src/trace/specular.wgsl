@@ -4,11 +4,11 @@
 // Every turn draws half vectors from the distribution of visible normals, chooses one of them by
 // its weight, F G2 / G1 (Heitz 2018, equation 19), and traces a cone along the mirrored direction.
 // The mean over frames is the BRDF's integral, blurred only by the cone: its solid angle is share /
-// pdf, a share of what a draw represents, the footprint of filtered importance sampling (Krivanek
+// pdf, a share of the solid angle per draw, the footprint of filtered importance sampling (Krivanek
 // and Colbert 2008, section 4).
 //
-// A rough lobe takes light from afar from what is known (known_gloss.wgsl); surfaces that its cones
-// find near by replace it. Emitters are reflected by themselves (lobe_emitters.wgsl).
+// A rough lobe uses known far light (known_gloss.wgsl), which near surfaces on its cones replace.
+// Emitters are sampled separately (lobe_emitters.wgsl).
 //
 // Under a clear coat there are two lobes. A turn draws one of them, with a probability proportional
 // to its reflectance, and divides by that probability.
@@ -35,21 +35,20 @@ import package::volume::far_light::NEAR;
 
 @group(1) @binding(1) var diffuse_samples: texture_2d<f32>;
 @group(1) @binding(2) var specular_out: texture_storage_2d<rgba16float, write>;
-// Distance to what is reflected, in voxels. It is 1x1 if it is not needed.
+// Distance of the reflected surface, in voxels; a texture of 1x1 if not needed.
 @group(1) @binding(3) var distance_out: texture_storage_2d<r32float, write>;
 
-// Cosine of 60 degrees, half of a hemisphere: wider cones would reach below the surface that they
-// leave.
+// Cosine of 60 degrees, half of a hemisphere: wider cones would reach below their surface.
 const MIN_COS_HALF_ANGLE: f32 = 0.5;
 
 struct Reflection {
     // Radiance in rgb, samples in a.
     light: vec4f,
-    // In voxels; 0 if nothing is reflected.
+    // Distance of the reflected surface, in voxels; 0 if there is none.
     distance: f32,
 }
 
-// Shared by the turns of a pixel.
+// Values that all turns of a pixel share.
 struct Gloss {
     surface: Surface,
     material: Specular,
@@ -60,7 +59,7 @@ struct Gloss {
     view: vec3f,
     // The pixel's random numbers.
     start: vec2f,
-    // The level of its voxels.
+    // The level of the surface's voxels.
     level: u32,
     // Approximate irradiance from all emitters.
     expected: f32,
@@ -106,8 +105,8 @@ fn trace_specular(pixel: vec2u, turn: u32, turns: u32, samples: f32) -> Reflecti
         mean.light += vec4f(traced.light.rgb / f32(turns), traced.light.a);
         mean.distance += traced.distance / f32(turns);
     }
-    // Near surfaces may have replaced more light than is known in all directions. A mirror of the
-    // sun may exceed the largest half float.
+    // Near surfaces may replace more than all known light. A mirrored sun may exceed the largest
+    // half float.
     mean.light = clamp(mean.light, vec4f(0.0), vec4f(LARGEST_HALF));
     return mean;
 }
@@ -161,8 +160,8 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
     // A mirror shows the environment sharply, whatever the width of its cone.
     let outside_width = min(growth, 2.0 * tan_half * settings.cones.voxel_per_diameter);
     let outside = environment_reflection(direction, outside_width, lobe.alpha);
-    // A mirror uses a single ray, so negative values are not averaged out: no pixel may be darker
-    // than black.
+    // A mirror uses a single ray, so negative values do not average out, but no pixel may be
+    // negative.
     var radiance = max(traced.radiance + traced.transmittance * outside, vec3f(0.0));
 
     samples += f32(traced.samples);

@@ -3,7 +3,7 @@
 
 struct Surface {
     position_in_world: vec3f,
-    // 0 if the pixel shows no surface, otherwise positive.
+    // Positive; 0 if the pixel does not show a surface.
     depth: f32,
     // Unit vectors, both towards the camera.
     shading_normal: vec3f,
@@ -12,9 +12,9 @@ struct Surface {
 
 // The specular properties of a pixel's surface.
 struct Specular {
-    // At normal incidence.
+    // Reflectance at normal incidence.
     reflectance: vec3f,
-    // Perceptual, 0 to 1.
+    // Perceptual roughness, 0 to 1.
     roughness: f32,
     // The strength of a clear coat on top, 0 (none) to 1, and its perceptual roughness.
     coat: f32,

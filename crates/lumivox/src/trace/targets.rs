@@ -23,7 +23,7 @@ pub(crate) struct TraceTargets {
     resolution: TraceResolution,
     traced: Traced,
     listed: Listed,
-    /// Light of earlier frames; `None` if it is not kept.
+    /// Light of earlier frames; `None` if the settings do not keep it.
     pub(super) past: Option<Past>,
     slots: Slots<TraceSlot>,
     bytes: u64,
@@ -36,12 +36,12 @@ struct Traced {
     irradiance: TextureView,
     specular: TextureView,
     samples: TextureView,
-    /// Distance to what is reflected, in voxels; one texel without light of earlier frames.
+    /// Distance of the reflected surface, in voxels; one texel without light of earlier frames.
     distance: TextureView,
 }
 
-/// The pixels that are traced individually: their number, with the workgroups of the dispatch, and
-/// their indices.
+/// The pixels that are traced individually: their number with the dispatch's workgroups, and their
+/// indices.
 #[derive(Debug)]
 struct Listed {
     counts: Buffer,
@@ -68,7 +68,7 @@ pub(super) struct HalfSlot {
 
 impl Slot for TraceSlot {
     fn is_free(&self) -> bool {
-        // Every recording uses the group of the diffuse cones.
+        // Every recording holds this group.
         !self.diffuse.is_held()
     }
 }
@@ -125,7 +125,7 @@ impl TraceTargets {
         let sizes = (size, traced_size);
         let past = settings.temporal.then(|| Past::new(device, sizes, &mut texture));
         let pixels = if scale > 1 { u64::from(size.x) * u64::from(size.y) } else { 0 };
-        // The list is capped at the binding limit, 33 million pixels by default.
+        // The binding limit caps the list, at 33 million pixels by default.
         let most = device.limits().max_storage_buffer_binding_size / 4;
         let listed = Listed {
             counts: storage_buffer(device, "edge count", 16),
@@ -175,14 +175,14 @@ impl TraceTargets {
         }
     }
 
-    /// Takes over the light of earlier frames from targets of another size.
+    /// Continues with the light of earlier frames from targets of another size.
     pub fn take_past(&self, former: &Self) {
         if let (Some(past), Some(former)) = (&self.past, &former.past) {
             past.take(former);
         }
     }
 
-    /// Whether light of earlier frames is kept.
+    /// `true` if light of earlier frames is kept.
     pub fn is_temporal(&self) -> bool {
         self.past.is_some()
     }
@@ -192,7 +192,7 @@ impl TraceTargets {
         self.size
     }
 
-    /// Whether the targets are for full or half resolution.
+    /// The resolution of the traces.
     pub fn resolution(&self) -> TraceResolution {
         self.resolution
     }
@@ -282,13 +282,13 @@ impl TraceTargets {
         }
     }
 
-    /// Number of slots: the most recordings that were in progress at once.
+    /// Number of slots: the maximum number of recordings that were in progress at once.
     #[cfg(test)]
     pub(super) fn slot_count(&self) -> usize {
         self.slots.count()
     }
 
-    /// Whether no recording is in progress.
+    /// `true` if no recording is in progress.
     #[cfg(test)]
     pub(super) fn are_slots_free(&self) -> bool {
         self.slots.are_free()

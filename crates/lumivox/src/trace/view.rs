@@ -24,8 +24,8 @@ pub struct CameraView {
     /// the number of frames that the view has traced.
     pub frame: Option<u32>,
     /// Sub-pixel shift of the picture, so that frames sample different positions: in pixels, x to
-    /// the right, y down. The G-buffer has to be drawn with it ([`GiView::clip_from_world`]). It
-    /// does not count as motion. Default: 0.
+    /// the right, y down. The G-buffer must be drawn with it ([`GiView::clip_from_world`]). It is
+    /// not part of the motion. Default: 0.
     pub jitter: Vec2,
 }
 
@@ -53,13 +53,13 @@ pub(crate) struct CameraViewUniform {
     padding_1: [u32; 2],
 }
 
-/// A camera whose cones are traced: its G-buffer, the textures that the cones are traced into, and
-/// what is kept from one frame to the next: the light and the matrix of the last frame.
-/// [`Gi::view`](crate::Gi::view) creates it, [`Gi::trace`](crate::Gi::trace) traces it.
+/// A camera whose cones are traced: its G-buffer, the output textures, and the light and the matrix
+/// of the last frame. [`Gi::view`](crate::Gi::view) creates it, [`Gi::trace`](crate::Gi::trace)
+/// traces it.
 #[derive(Debug)]
 pub struct GiView {
-    /// The settings of its cones. Their resolution and `temporal` do not change: those are the ones
-    /// that it was created with.
+    /// The settings of its cones. Changes of `resolution` and `temporal` have no effect: the view
+    /// keeps those that it was created with.
     pub settings: TraceSettings,
     group: BindGroup,
     uniform: Buffer,
@@ -103,8 +103,8 @@ impl GiView {
         self.has_motion = gbuffer.has_motion();
     }
 
-    /// Sets the camera of the next frame. The write takes effect at the next submission, for
-    /// everything submitted then: use one view per camera, and submit each frame separately.
+    /// Sets the camera of the next frame. The write takes effect at the next submission, for all of
+    /// its commands: use one view per camera, and submit each frame separately.
     pub fn set_camera(&mut self, queue: &wgpu::Queue, camera: CameraView) {
         self.camera = camera;
         let clip_from_world = self.clip_from_world();
@@ -130,15 +130,14 @@ impl GiView {
         &self.camera
     }
 
-    /// The matrix with which the G-buffer of the next frame has to be drawn: that of the camera
-    /// with its jitter.
+    /// The matrix for drawing the G-buffer of the next frame: that of the camera, with its jitter.
     pub fn clip_from_world(&self) -> Mat4 {
         self.jittered(self.camera.clip_from_world)
     }
 
-    /// The matrix of the last frame, with the jitter of the next one: for the motion of
-    /// surfaces ([`GBufferViews::motion`](crate::GBufferViews::motion)). Before the first frame,
-    /// and after [`Self::forget`], that of the next frame.
+    /// The matrix of the last frame, with the jitter of the next one: for the motion of surfaces
+    /// ([`GBufferViews::motion`](crate::GBufferViews::motion)). Before the first frame, and after
+    /// [`Self::forget`], the matrix of the next frame.
     pub fn previous_clip_from_world(&self) -> Mat4 {
         self.jittered(self.previous.unwrap_or(self.camera.clip_from_world))
     }
@@ -172,7 +171,7 @@ impl GiView {
 
     /// Records of each pixel's surface, if light of earlier frames is kept: `Rg32Uint`, decoded by
     /// `package::temporal::record::decode_record`. They contain the number of frames in the mean of
-    /// the light, and whether the surface was newly seen; zeros where there is no surface.
+    /// the light, and whether the surface is newly seen; zeros for pixels without surface.
     pub fn records(&self) -> Option<&TextureView> {
         self.targets.records.as_ref()
     }
@@ -182,33 +181,32 @@ impl GiView {
         self.targets.size()
     }
 
-    /// Whether light of earlier frames is kept.
+    /// `true` if light of earlier frames is kept.
     pub fn is_temporal(&self) -> bool {
         self.targets.is_temporal()
     }
 
-    /// Whether cones are traced at full or half resolution.
+    /// The resolution of the traces.
     pub fn resolution(&self) -> TraceResolution {
         self.targets.resolution()
     }
 
-    /// Discards the light of earlier frames: for a cut, or another scene, so that nothing of the
-    /// old picture shows through.
+    /// Discards the light of earlier frames: for a cut, or another scene.
     pub fn forget(&mut self) {
         (self.previous, self.traced) = (None, 0);
         self.targets.forget();
     }
 
-    /// Call instead of [`Gi::trace`](crate::Gi::trace) for a frame that is drawn without its light:
-    /// discards the light of earlier frames, but remembers the camera.
+    /// Call instead of [`Gi::trace`](crate::Gi::trace) for a frame without traced light: discards
+    /// the light of earlier frames, but remembers the camera.
     pub fn skip(&mut self) {
         self.previous = Some(self.camera.clip_from_world);
         self.targets.forget();
     }
 
-    /// Takes over the history of a view of another size, so that the next frame continues from it:
-    /// for pictures whose size depends on the frame rate. Both must belong to the same
-    /// [`Gi`](crate::Gi). Does nothing unless both keep light of earlier frames.
+    /// Continues with the history of a view of another size: for pictures whose size depends on the
+    /// frame rate. Both must belong to the same [`Gi`](crate::Gi). Does nothing unless both keep
+    /// light of earlier frames.
     pub fn take_past(&mut self, former: &Self) {
         if self.is_temporal() && former.is_temporal() {
             self.targets.take_past(&former.targets);

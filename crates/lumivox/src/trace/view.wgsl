@@ -13,7 +13,7 @@ struct CameraView {
     // Whether Lumivox's own G-buffer has a motion texture.
     has_motion: u32,
     padding_0: u32,
-    // Sub-pixel shift of the picture by both matrices, in pixels.
+    // Sub-pixel shift of the picture that both matrices contain, in pixels.
     jitter: vec2f,
     padding_1: vec2u,
 }
@@ -36,7 +36,7 @@ fn position_at(place: vec2f, depth: f32) -> vec3f {
 }
 
 // The unit vector from the camera through a pixel's center, computed from its point at infinity:
-// nearby points would lose precision to the camera's own position.
+// for nearby points, subtracting the camera's position would lose precision.
 fn ray_direction(pixel: vec2u) -> vec3f {
     let uv = (vec2f(pixel) + 0.5) / vec2f(view.size);
     let ndc = vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);

@@ -33,8 +33,8 @@ impl RankedBits {
     }
 }
 
-/// Bits and ranks of the finest level's words side by side (`array<vec2u>`): one binding for
-/// kernels that cannot afford two.
+/// Bits and ranks of the finest level's words side by side (`array<vec2u>`): one binding instead of
+/// two, for kernels near the limit.
 #[derive(Debug)]
 pub(crate) struct Cells {
     /// The pairs.
@@ -53,7 +53,7 @@ pub(crate) struct BoundNodes {
 /// Bindings of [`ListBuilder::inner_lobes`].
 #[derive(Debug)]
 pub(crate) struct BoundInner {
-    /// One for each level except the finest.
+    /// Bind groups of each level except the finest.
     groups: Vec<BindGroup>,
     counts: Buffer,
 }
@@ -126,7 +126,7 @@ impl ListBuilder {
         let occupancy = memory.buffer("occupancy", words, 4, remedy)?;
         let ranks = memory.buffer("ranks", words + 1, 4, remedy)?;
         let device = memory.device();
-        // Counting does not touch the nodes.
+        // Counting does not write nodes.
         let unused = storage_buffer(device, "no nodes", 16);
         let group = self.rank_group(device, [&occupancy, &ranks, &unused]);
         let scan = self.scan.bind(device, &ranks, words as u32 + 1);
@@ -193,7 +193,7 @@ impl ListBuilder {
         BoundInner { groups: (1..grid.levels).map(group).collect(), counts: list.counts.clone() }
     }
 
-    /// The lobes of the inner nodes, from those of the finest level.
+    /// Computes the lobes of the inner nodes from those of the finest level.
     pub fn inner_lobes(
         &self,
         recorder: &mut Recorder<'_>,

@@ -1,5 +1,5 @@
-// The occupancy bits of each word of level 0 and its rank, side by side: one binding for kernels
-// that cannot afford two.
+// The occupancy bits of each word of level 0 and its rank, side by side: one binding instead of
+// two.
 
 import package::constants::LINEAR_WORKGROUP_SIZE;
 import package::gpu::dispatch::linear_index;

@@ -4,12 +4,12 @@
 // each level a `NodeRange`, followed by the workgroups of a dispatch over its nodes.
 
 struct ListCounts {
-    // Faces of static surface, which come first; and all faces.
+    // Number of faces of static surface, which come first, and of all faces.
     fixed_faces: u32,
     faces: u32,
-    // Nodes of all levels.
+    // Number of nodes of all levels.
     nodes: u32,
-    // Voxels that dynamic surface touches.
+    // Number of voxels that dynamic surface touches.
     moving_voxels: u32,
     // The workgroups of a dispatch over all faces.
     face_groups: vec3u,

@@ -1,8 +1,8 @@
 // The part of its voxel that a face covers, seen along its lobe's axis (computed in
 // voxelize/cover.wgsl).
 
-// A surface is hit up to this far beyond its voxel, in voxels, so that rounding leaves no gap
-// between neighbours.
+// Distance beyond its voxel within which a surface is hit, in voxels, so that rounding leaves no
+// gaps between neighbours.
 const OVERHANG = 0.01;
 
 // The two components across an axis, in cyclic order.

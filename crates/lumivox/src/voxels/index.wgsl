@@ -1,8 +1,8 @@
 // The index of each voxel's faces, in one buffer.
 //
-// First the bits of each word of 32 voxels with the rank of the word, then a bit for each block of
-// 8 x 8 x 8 voxels, then for each voxel the index of its first face and, in the highest bits, its
-// number of faces. Group 0 is the grid.
+// The buffer has for each word of 32 voxels their bits and the word's rank, then a bit for each
+// block of 8 x 8 x 8 voxels, then an entry for each voxel: the index of its first face and, in the
+// highest bits, its number of faces. Group 0 is the grid.
 
 import package::constants::{BLOCK_LEVEL, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
@@ -39,7 +39,7 @@ fn main(
         index[2u * i + 1u] = ranks[i];
     }
     if i < level_words(BLOCK_LEVEL) {
-        // A grid of fewer levels has no such blocks.
+        // In a grid with fewer levels, all blocks count as occupied.
         var bits = 0xffffffffu;
         if grid.levels > BLOCK_LEVEL {
             bits = occupancy[level_first_word(BLOCK_LEVEL) + i];

@@ -9,13 +9,13 @@ const LARGEST_REFLECTANCE = 0.99;
 struct Node {
     // The cell's coordinates, interleaved: x in the lowest bit.
     morton: u32,
-    // Bits 0..5: which lobes have coverage here or below. Bits 8..13: which of them are tilted,
-    // that is, have a vector area off their axis that survives rounding to 8 bits. Voxels only:
-    // bits 14 to 31 are the number of faces of each lobe, three bits each.
+    // Bits 0..5: lobes with coverage here or below. Bits 8..13: lobes that are tilted, that is,
+    // have a vector area off their axis that survives rounding to 8 bits. Voxels only: bits 14 to
+    // 31 are the number of faces of each lobe, three bits each.
     lobes: u32,
 }
 
-// The most faces of a lobe in a voxel.
+// Maximum number of faces of a lobe in a voxel.
 const MOST_FACES = 7u;
 
 // The number of faces of a voxel.
@@ -48,9 +48,9 @@ struct Face {
     // Sum of A n / h^2 over the pieces of surface, scaled so that the component along the lobe is
     // at most 1.
     vector_area: vec3f,
-    // 0..5, as numbered above.
+    // The lobe, 0..5, as numbered above.
     lobe: u32,
-    // Mean share of the light that enters which is reflected diffusely.
+    // Mean share of entering light that is reflected diffusely.
     reflectance: vec3f,
     // SINGLE_SIDED, HIDDEN, PARTED and HOLES.
     flags: u32,
@@ -58,8 +58,7 @@ struct Face {
     emission: vec3f,
     // The covered part of the voxel's side, seen along its lobe's axis (voxelize::cover).
     mask_low: u32,
-    // The light that the surface mirrors, and so keeps from entering: mean, grazing, kept_out
-    // (light/reflected.wgsl).
+    // The light that the surface mirrors: mean, grazing, kept_out (light/reflected.wgsl).
     gloss: vec3f,
     mask_high: u32,
     profiles: vec4u,

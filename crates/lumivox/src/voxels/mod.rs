@@ -100,33 +100,37 @@ pub struct FaceRecord {
     pub cell: u32,
     /// Sum of area times normal in units of a voxel's side, with at most 1 along the lobe's axis.
     pub vector_area: [f32; 3],
-    /// +x, -x, +y, -y, +z, -z as 0 to 5.
+    /// The lobe: 0 to 5 for +x, -x, +y, -y, +z, -z.
     pub lobe: u32,
-    /// Mean share of the light that enters which is reflected diffusely.
+    /// Mean share of entering light that is reflected diffusely.
     pub reflectance: [f32; 3],
     /// [`Self::SINGLE_SIDED`], [`Self::HIDDEN`], [`Self::PARTED`], and bits 8 to 15
     /// ([`Self::HOLES`]).
     pub flags: u32,
     /// Mean emitted radiance.
     pub emission: [f32; 3],
-    /// A bit for each of 8 x 8 squares of the voxel's side that it covers: the lower half.
+    /// The lower half of the mask: a bit for each of 8 x 8 squares of the voxel's side, set if
+    /// covered.
     pub mask_low: u32,
     /// Means of [`crate::Gloss`], in its order.
     pub gloss: [f32; 3],
     /// The upper half of the mask.
     pub mask_high: u32,
-    /// Its covered range along u, v, u + v and u - v, a bit for each of 32 parts.
+    /// The covered ranges along u, v, u + v and u - v, a bit for each of 32 parts.
     pub profiles: [u32; 4],
 }
 
 impl FaceRecord {
-    /// No surface behind it is visible from there; it blocks rays that meet it from behind.
+    /// Flag of a face without surface on its back; it blocks rays from behind.
     pub const SINGLE_SIDED: u32 = 1;
-    /// No part of it is visible: it lies inside of other surface, and gathers nothing.
+    /// Flag of a face that lies inside of other surface: no part is visible, and it does not
+    /// gather.
     pub const HIDDEN: u32 = 2;
-    /// Other surface separates some of its visible part from the point where its light is computed.
+    /// Flag of a face whose visible part other surface divides, so that some of it is separated
+    /// from the point where its light is computed.
     pub const PARTED: u32 = 4;
-    /// Index of the lowest of eight bits: the share of its covered area that light passes, of 255.
+    /// Index of the lowest of eight bits: the share of the covered area that light passes, times
+    /// 255.
     pub const HOLES: u32 = 8;
 }
 
@@ -143,7 +147,7 @@ pub struct VoxelList {
     pub face_count: u32,
     /// A bit per cell, all levels one after another (`array<u32>`).
     pub occupancy: Buffer,
-    /// For each word of `occupancy`, the bits set before it (`array<u32>`).
+    /// For each word of `occupancy`, the number of bits set before it (`array<u32>`).
     pub ranks: Buffer,
     /// `array<Node>`.
     pub nodes: Buffer,
@@ -178,12 +182,12 @@ impl VoxelList {
         self.faces.size() / size_of::<FaceRecord>() as u64
     }
 
-    /// Applies `counts` that were read back.
+    /// Applies read-back `counts`.
     pub(crate) fn know(&mut self, words: &[u32]) {
         (self.level_starts, self.face_count) = Self::counted(words);
     }
 
-    /// `level_starts` and `face_count` of `counts` that were read back.
+    /// `level_starts` and `face_count` of read-back `counts`.
     pub(crate) fn counted(words: &[u32]) -> (Vec<u32>, u32) {
         let counts: ListCounts = bytemuck::pod_read_unaligned(bytemuck::cast_slice(
             &words[..LIST_COUNT_BYTES as usize / 4],

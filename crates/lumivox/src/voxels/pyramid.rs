@@ -1,5 +1,4 @@
-//! The coarser levels of bits, a bit per cell in Morton order: a cell's is set if that of any child
-//! is.
+//! The coarser levels of bits, a bit per cell in Morton order, set if that of any child is.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -24,7 +23,7 @@ pub(crate) fn level_words(grid: &Grid, level: u32) -> u64 {
     (u64::from(grid.morton_edge(level)).pow(3) / 32).max(1)
 }
 
-/// The words before those of a level; `level_first_word` of `lookup.wgsl`.
+/// The first word of a level; `level_first_word` of `lookup.wgsl`.
 pub(crate) fn level_first_word(grid: &Grid, level: u32) -> u64 {
     (0..level).map(|finer| level_words(grid, finer)).sum()
 }

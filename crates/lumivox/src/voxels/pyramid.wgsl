@@ -35,7 +35,7 @@ fn main(
         children |= children >> 2u;
         children |= children >> 1u;
         children &= 0x01010101u;
-        // These four bits, side by side.
+        // The lowest bits of the four bytes, side by side.
         let nibble = (children | (children >> 7u) | (children >> 14u) | (children >> 21u)) & 0xfu;
         parents |= nibble << (4u * i);
     }

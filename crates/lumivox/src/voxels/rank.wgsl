@@ -8,7 +8,7 @@ import package::voxels::list::Node;
 import package::voxels::lookup::level_words;
 
 @group(1) @binding(0) var<storage, read> occupancy: array<u32>;
-// One word more than `occupancy` has: the total.
+// One per word of `occupancy`, and the total.
 @group(1) @binding(1) var<storage, read_write> ranks: array<u32>;
 @group(1) @binding(2) var<storage, read_write> nodes: array<Node>;
 
@@ -37,7 +37,7 @@ fn list(
     if bits == 0u {
         return;
     }
-    // The word within its level.
+    // The word's index within its level.
     var word_in_level = word;
     var level = 0u;
     while word_in_level >= level_words(level) {

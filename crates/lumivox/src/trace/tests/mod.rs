@@ -1,4 +1,4 @@
-//! Traces of a room: what one recording sees of another, and G-buffers of other layouts.
+//! Traces of a room: several recordings in one submission, and G-buffers of other layouts.
 
 pub(crate) mod room;
 
@@ -21,7 +21,7 @@ struct Room {
     queue: wgpu::Queue,
     gi: Gi,
     lights: Lights,
-    /// The textures of its G-buffer: depth, and either all others or one packed one.
+    /// The textures of its G-buffer: depth, and either all others or a packed one.
     textures: Vec<wgpu::TextureView>,
 }
 
@@ -50,7 +50,7 @@ impl Room {
         Self { device, queue, gi, lights, textures }
     }
 
-    /// With the same G-buffer in a layout of its own.
+    /// A room with the same G-buffer in another layout.
     fn packed() -> Self {
         let texture = |sample_type| wgpu::BindingType::Texture {
             sample_type,
@@ -67,7 +67,7 @@ impl Room {
         Self { device, queue, gi, lights, textures: vec![packed, depth] }
     }
 
-    /// The room seen by [`room::view`].
+    /// A view of the room by [`room::view`].
     fn view(&self, settings: &TraceSettings) -> GiView {
         self.view_with(settings, None)
     }
@@ -94,7 +94,7 @@ impl Room {
         self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
-    /// A trace in a submission of its own.
+    /// The result of a trace in a separate submission.
     fn alone(&self, settings: &TraceSettings) -> Vec<u8> {
         let mut view = self.view(settings);
         let mut encoder = self.encoder();
@@ -123,7 +123,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     ));
 }";
 
-/// All of the textures' half floats in one texture of integers.
+/// Packs the textures' half floats into one texture of integers.
 fn pack(
     device: &Pipelines,
     queue: &wgpu::Queue,
@@ -191,7 +191,7 @@ impl Copied {
     }
 }
 
-/// Settings that differ in everything that a trace reads.
+/// Two settings that differ in all inputs of a trace.
 fn settings(resolution: TraceResolution) -> [TraceSettings; 2] {
     let first = TraceSettings { resolution, ..TraceSettings::preset(Preset::Balanced) };
     let second = TraceSettings {
@@ -222,7 +222,7 @@ fn traces_of_one_submission_see_their_own_settings() {
             room.trace(&mut encoder, &mut view);
             pictures.push(copied(&room.device, &mut encoder, &view));
         }
-        // And into targets of their own, the copies last.
+        // Then into separate targets, with the copies last.
         let mut own = [room.view(&first), room.view(&second)];
         for view in &mut own {
             room.trace(&mut encoder, view);
@@ -245,19 +245,19 @@ fn steady_frames_make_no_new_slots() {
         let mut encoder = room.encoder();
         room.trace(&mut encoder, &mut view);
         room.queue.submit([encoder.finish()]);
-        // The device's callbacks free slots; another test's thread may be the one that calls them.
+        // The device's callbacks free slots; another test's thread may be about to call them.
         while !view.targets().are_slots_free() {
             room.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device is there");
             std::thread::yield_now();
         }
         assert_eq!(view.targets().slot_count(), 1, "frame {frame}");
     }
-    // With two under way there are two.
+    // Two recordings in progress need two slots.
     let (mut first, mut second) = (room.encoder(), room.encoder());
     room.trace(&mut first, &mut view);
     room.trace(&mut second, &mut view);
     assert_eq!(view.targets().slot_count(), 2);
-    // One that is given up frees its slot.
+    // A dropped recording frees its slot.
     drop(first);
     room.trace(&mut second, &mut view);
     assert_eq!(view.targets().slot_count(), 2);
@@ -278,7 +278,7 @@ fn predicted_target_bytes_match_allocated_targets() {
     }
 }
 
-/// A frame after a cut is that of new targets, and one without a cut is not.
+/// A frame after a cut equals the first frame of new targets; one without a cut does not.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn forget_discards_all_history() {
@@ -305,7 +305,7 @@ fn forget_discards_all_history() {
     }
 }
 
-/// The camera of a frame without cones is still the previous one; after a cut there is none.
+/// A frame without cones sets the previous camera; after a cut there is no previous camera.
 #[test]
 fn a_skipped_frame_keeps_its_camera() {
     let room = Room::new();
@@ -320,7 +320,7 @@ fn a_skipped_frame_keeps_its_camera() {
     assert_eq!(view.previous_clip_from_world(), second.clip_from_world);
 }
 
-/// As when an engine hands over light that is not a number for one frame.
+/// An engine may pass NaN as light for one frame.
 #[test]
 fn nan_light_does_not_enter_the_history() {
     let room = Room::new();
@@ -388,13 +388,13 @@ fn motion_of(room: &Room, seen: &GiView) -> Vec<Vec2> {
     read(device, queue, &output, pixels as usize)
 }
 
-/// Motion by only the camera, against the place of the pixel's surface in the previous frame; then
-/// motion by a texture.
+/// Compares motion by the camera with the place of the pixel's surface in the previous frame; then
+/// tests motion from a texture.
 #[test]
 fn motion_is_current_minus_previous_surface_position() {
     let room = Room::new();
     let view = room::view(SIZE);
-    // The camera looked elsewhere: as if the picture had been scaled about its middle and moved.
+    // The previous camera: its picture was scaled about the middle and moved.
     let moved =
         Mat4::from_translation(Vec3::new(0.2, 0.1, 0.0)) * Mat4::from_scale(Vec3::splat(0.5));
     let previous = moved * view.clip_from_world;
@@ -408,7 +408,7 @@ fn motion_is_current_minus_previous_surface_position() {
     for (index, motion) in motion_of(&room, &seen).into_iter().enumerate() {
         let pixel = UVec2::new(index as u32 % SIZE.x, index as u32 / SIZE.x);
         let uv = (pixel.as_vec2() + 0.5) / SIZE.as_vec2();
-        // The place of the room that the pixel shows.
+        // The point of the room that the pixel shows.
         let ndc = Vec2::new(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
         let far = view.clip_from_world.inverse().project_point3(ndc.extend(1e-4));
         let direction = (far - view.position).normalize();
@@ -421,7 +421,7 @@ fn motion_is_current_minus_previous_surface_position() {
         }
     }
 
-    // A camera that did not move gives no motion.
+    // Without movement of the camera the motion is zero.
     seen.forget();
     seen.set_camera(&room.queue, view);
     let still = motion_of(&room, &seen);
@@ -441,7 +441,7 @@ fn motion_is_current_minus_previous_surface_position() {
     let motion_at = |i: u32| i as f32 / SIZE.element_product() as f32;
     let mut content: Vec<[f32; 2]> =
         (0..SIZE.element_product()).map(|i| [motion_at(i), -motion_at(i)]).collect();
-    // One that is static in the world: it moves as the camera does.
+    // A surface that is static in the world has the camera's motion.
     content[7] = [AS_THE_CAMERA, 0.0];
     let layout = wgpu::TexelCopyBufferLayout {
         offset: 0,

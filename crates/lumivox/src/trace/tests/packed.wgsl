@@ -1,5 +1,4 @@
-// A G-buffer of an engine's own: one texture of integers, two half floats a word, and reversed
-// depth.
+// An engine's own G-buffer: one texture of integers, two half floats a word, and reversed depth.
 
 import package::trace::surface::{octahedral_decode, Specular, Surface};
 import package::trace::view::{camera_motion, position_from_depth};

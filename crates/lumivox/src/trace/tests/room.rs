@@ -1,4 +1,4 @@
-//! A G-buffer of a room, drawn on the GPU, as an engine would hand it over.
+//! A G-buffer of a room, drawn on the GPU as by an engine.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, UVec2, Vec3};
@@ -6,7 +6,7 @@ use glam::{Mat4, UVec2, Vec3};
 use crate::gpu::uniform_buffer;
 use crate::trace::CameraView;
 
-/// The inside of this box is what [`crate::testing::busy_room`] has as walls.
+/// The size of the room of [`crate::testing::busy_room`].
 const ROOM: Vec3 = Vec3::new(1.0, 0.7, 0.9);
 
 #[repr(C)]
@@ -31,8 +31,8 @@ pub(crate) fn view(size: UVec2) -> CameraView {
     CameraView { frame: Some(1), ..CameraView::new(clip_from_view * view_from_world, position) }
 }
 
-/// Draws it with one of the fragment shaders of `room.wgsl`, into a depth texture and textures of
-/// the given formats.
+/// Draws the room with a fragment shader of `room.wgsl`, into a depth texture and textures of the
+/// given formats.
 pub(crate) fn draw(
     (device, queue): (&wgpu::Device, &wgpu::Queue),
     (view, size): (CameraView, UVec2),
@@ -128,7 +128,7 @@ pub(crate) fn draw(
     (depth, colors)
 }
 
-/// Formats of Lumivox's own G-buffer: only half floats.
+/// Formats for Lumivox's own G-buffer, all of half floats.
 pub(super) const FORMATS: [wgpu::TextureFormat; 4] = [
     wgpu::TextureFormat::Rgba16Float,
     wgpu::TextureFormat::Rgba16Float,

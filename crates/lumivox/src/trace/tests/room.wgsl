@@ -1,9 +1,9 @@
-// A G-buffer of the inside of a box, drawn by the ray of each pixel.
+// A G-buffer of the inside of a box, drawn by a ray per pixel.
 
 struct Camera {
     clip_from_world: mat4x4f,
     world_from_clip: mat4x4f,
-    // The position, and the picture's width; then its height.
+    // The position; then the picture's width and height.
     position_in_world: vec3f,
     width: f32,
     box_size: vec3f,
@@ -23,8 +23,7 @@ struct Hit {
     depth: f32,
 }
 
-// The point at which a ray from inside meets the box; a disc in the middle of the picture shows
-// nothing.
+// The point where a ray from inside hits the box; a disc in the middle of the picture is empty.
 fn hit(pixel: vec2f) -> Hit {
     let uv = pixel / vec2f(camera.width, camera.height);
     if distance(uv, vec2f(0.5)) < 0.1 {
@@ -61,7 +60,7 @@ fn specular_of(surface: Hit) -> vec4f {
     return vec4f(vec3f(0.5), roughness);
 }
 
-// The share of the surface that has no coat, in a, and the coat's roughness.
+// The uncoated share of the surface, and the coat's roughness.
 fn coat_of(surface: Hit) -> vec2f {
     return vec2f(select(1.0, 0.4, surface.position_in_world.z > 0.5), 0.2);
 }
@@ -87,8 +86,7 @@ fn textures(@builtin(position) pixel: vec4f) -> GBuffer {
     );
 }
 
-// A shadow map that has something near the light in its left half and nothing in the other;
-// reversed z, and not.
+// A shadow map with an object near the light in its left half only, in reversed and in normal z.
 @fragment
 fn shadow(@builtin(position) pixel: vec4f) -> @builtin(frag_depth) f32 {
     return select(0.0, 1.0, pixel.x < 0.5 * camera.width);
