@@ -1,14 +1,13 @@
-// The boxes of a clipmap (mod.rs), and where their cells are stored. A grid without cascades is one
+// The boxes of a clipmap (mod.rs), and the storage of their cells. A grid without cascades is one
 // box, stored unchanged: CASCADES is then 0, and the functions here compile to almost nothing.
 //
-// A *level* is a cell size: cells of level l have an edge of 2^l of the finest voxels, in whichever
-// cascade they are stored. Cascade k has the levels k to k + grid.levels - 1; the first of them are
-// its voxels.
+// A *level* is a cell size: cells of level l have an edge of 2^l of the finest voxels in every
+// cascade. Cascade k has the levels k to k + grid.levels - 1; the first of them are its voxels.
 
 import package::constants::{CASCADES, CASCADE_COLUMNS, CASCADE_EDGE, CASCADE_ROWS};
 import package::grid::{grid, grid_from_world};
 
-// A voxel of a box, in that box's voxels, counted from the grid's origin.
+// A voxel of a box: its coordinates in voxels of the box, from the grid's origin.
 struct BoxVoxel {
     voxel: vec3i,
     cascade: u32,
@@ -66,12 +65,12 @@ fn outer_high() -> vec3f {
     return outer_low() + vec3f(box_size()) * exp2(f32(box_count() - 1u));
 }
 
-// Modulo that is never negative.
+// The modulo, never negative.
 fn wrapped(cell: vec3i, edge: i32) -> vec3i {
     return (cell % edge + edge) % edge;
 }
 
-// The first cell of a cascade in the store, in units of its edge.
+// The first cell of a cascade in storage, in units of the cascade's edge.
 fn block_of(cascade: u32) -> vec3u {
     let row = cascade / CASCADE_COLUMNS;
     return vec3u(cascade % CASCADE_COLUMNS, row % CASCADE_ROWS, row / CASCADE_ROWS);
@@ -86,7 +85,7 @@ fn cascade_of(stored: vec3u) -> u32 {
     return block.x + CASCADE_COLUMNS * (block.y + CASCADE_ROWS * block.z);
 }
 
-// The place of a cascade's cell in the store. `up` is the cell's level minus the cascade's number.
+// The place of a cascade's cell in storage. `up` is the cell's level minus the cascade's number.
 fn stored_cell(cell: vec3i, up: u32, cascade: u32) -> vec3u {
     if CASCADES == 0u {
         return vec3u(cell);
@@ -107,8 +106,8 @@ fn voxel_of(stored: vec3u) -> BoxVoxel {
     return BoxVoxel(lowest + wrapped(turned - lowest, edge), cascade);
 }
 
-// The stored position of the cell after a stored cell along some axes. It wraps around: after a
-// box's last cell comes its first.
+// The stored position of the cell after a stored cell, along some axes. After a box's last cell
+// comes its first.
 fn stored_after(stored: vec3u, offset: vec3u, up: u32) -> vec3u {
     if CASCADES == 0u {
         return stored + offset;
@@ -132,7 +131,7 @@ fn is_held(cascade: u32, position_in_grid: vec3f, margin: f32) -> bool {
 }
 
 // The finest level, `least` or coarser, with cells at a position, at least `margin` of the
-// cascade's voxels from the border. Outside of all cascades: the level of the outermost one.
+// cascade's voxels from the border. Outside of all cascades, the level of the outermost one.
 fn finest_level(position_in_grid: vec3f, least: u32, margin: f32) -> u32 {
     var level = least;
     while level + 1u < CASCADES && !is_held(level, position_in_grid, margin * exp2(f32(level))) {
@@ -161,9 +160,9 @@ fn voxel_size_at(position_in_world: vec3f) -> f32 {
     return grid.voxel_size_m * exp2(f32(level));
 }
 
-// Zone in which surfaces change from one cascade to the next, in distances from the finer one's
-// border, in its voxels. Cones and frames draw a distance between the two, so that the border is
-// not visible.
+// The zone in which surfaces change to the next cascade: distances from the finer cascade's border,
+// in its voxels. Cones and frames draw a distance between the two, so that the border is not
+// visible.
 const NARROW_BORDER: f32 = 3.0;
 const WIDE_BORDER: f32 = 9.0;
 
@@ -184,7 +183,7 @@ fn lowest_cell(level: u32) -> vec3i {
     return lowest_voxel(cascade) >> vec3u(level - cascade);
 }
 
-// The place in the store of a cell that is given relative to its box's corner, `up` levels above
+// The place in storage of a cell, which is given relative to its box's corner, `up` levels above
 // the voxels of the cascade.
 fn stored_from_corner(cell: vec3u, up: u32, cascade: u32) -> vec3u {
     return stored_cell((lowest_voxel(cascade) >> vec3u(up)) + vec3i(cell), up, cascade);

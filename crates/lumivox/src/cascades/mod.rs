@@ -2,21 +2,20 @@
 //! within it.
 //!
 //! The boxes of the clipmap are stored side by side. Cascade *k* is a cube of 2^k times coarser
-//! voxels, with as many of them as every other cascade. All cubes share one store, so there is one
-//! list of voxels with one rank for each, one texture and one light, and every stage that iterates
-//! over voxels, faces or nodes works as it does for a single box. Only three things depend on where
-//! a cell is (`cascades.wgsl`):
+//! voxels; all cascades have the same number of voxels. All cubes share one storage, so there is
+//! one list of voxels, one texture and one light per face, and every stage that iterates over
+//! voxels, faces or nodes works as it does for a single box. Only three things depend on where a
+//! cell is (`cascades.wgsl`):
 //!
 //! - *Voxelization* walks a triangle once in each cascade that it meets, scaled to its voxels and
 //!   clipped to its box.
 //! - *Cones* count lengths in the finest voxels, and levels of cells by their size: 2^level. A
-//!   look-up reads the finest cascade that has all the cells it needs, so that within a cascade a
-//!   cone sees nearly what it does in a dense volume. Near the end of a cascade a cone continues
-//!   with the voxels of the next one, at the first empty place before the border, and at the border
-//!   at the latest.
-//! - *Surfaces* that gather start their cones at their own voxels: faces with their own, pixels and
-//!   points with the finest ones. Near a border they choose the cascade at random, so that the
-//!   border is not visible.
+//!   look-up reads the finest cascade that has all the cells it needs, so that cones within a
+//!   cascade see nearly the same as in a dense volume. Near the end of a cascade a cone changes to
+//!   the voxels of the next one: at the first empty place before the border, or at the border.
+//! - *Surfaces* that gather start their cones at their own voxels: faces at their own, pixels and
+//!   points at the finest ones. Near a border they choose the cascade at random, so that the border
+//!   is not visible.
 //!
 //! Voxels have absolute coordinates: multiples of their edge, counted from a fixed origin that does
 //! not depend on the camera. A voxel is stored at its coordinates modulo the cube's edge, so it
@@ -27,11 +26,11 @@
 //!
 //! Cascades are centered on a given place ([`Gi::center_on`](crate::Gi::center_on)). Voxels of
 //! moved boxes are built while the old list stays in use. They replace it a few frames later and
-//! inherit the light that the same voxels have gathered so far (`light/copy_replaced.wgsl`). Static
-//! surfaces are walked only where they have entered a box (`walked.rs`); elsewhere their sums are
-//! kept (`voxelize/keep.wgsl`). A box moves along one axis at a time, so what enters it is a slab.
-//! If draws are added or removed, only the boxes around them are walked. Only faces of new voxels
-//! have to gather at once; faces of coarse cascades gather less often (`light/turn.wgsl`).
+//! inherit the light of the same voxels (`light/copy_replaced.wgsl`). Static surfaces are walked
+//! only where they have entered a box (`walked.rs`); elsewhere their sums are kept
+//! (`voxelize/keep.wgsl`). A box moves along one axis at a time, so that the entered part is a
+//! slab. If draws are added or removed, only the boxes around them are walked. Only faces of new
+//! voxels must gather at once; faces of coarse cascades gather less often (`light/turn.wgsl`).
 //!
 //! Memory: with six lobes 72 bytes a voxel, and a seventh more for the pyramid: 20 MiB for 64
 //! voxels along an axis, 160 MiB for 128. Cubes are stored in a block of rows and columns; slots of
@@ -51,20 +50,20 @@ use crate::{GiError, Grid};
 
 /// Maximum number of cascades.
 pub const MAX_CASCADES: usize = 16;
-/// Levels of a cascade's own pyramid, its voxels included.
+/// Levels of a cascade's pyramid, including its voxels.
 pub(crate) const LEVELS: u32 = 4;
 /// Cascades move by multiples of this many voxels.
 const STRIDE: i32 = 1 << (LEVELS - 1);
 /// The largest coordinate of the cascades' center, in the finest voxels.
 const FARTHEST: f32 = 4_194_304.0;
-/// Maximum number of voxels along each axis of the store; limited by the voxel numbering.
+/// Maximum number of voxels along each axis of the storage, limited by the voxel numbering.
 const MAX_STORED: u32 = crate::MAX_RESOLUTION;
 
 /// The size of a clipmap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CascadeOptions {
     /// Number of cascades, 1 to [`MAX_CASCADES`]. Default: 8. Each additional cascade doubles the
-    /// reach and costs as much memory as any other.
+    /// reach and takes equal memory.
     pub count: u32,
     /// Voxels along each axis of a cascade, a multiple of 8 from 32 to 256. Default: 64. Higher
     /// values move the coarser voxels farther away; memory grows with the third power.
@@ -129,7 +128,7 @@ pub struct Cascades {
     pub count: u32,
     /// Voxels along each axis of a cascade.
     pub resolution: u32,
-    /// Arrangement of the cascades in the store.
+    /// Arrangement of the cascades in storage.
     blocks: UVec3,
     /// The voxel at the corner of each cascade, in voxels of that cascade.
     lowest: [IVec3; MAX_CASCADES],
@@ -137,8 +136,7 @@ pub struct Cascades {
 
 impl Cascades {
     /// `count` cascades of a resolution, arranged in the smallest block that holds them. The
-    /// longest side of the block is x, the axis along which the parts of cells are not side by
-    /// side.
+    /// longest side of the block is x, the axis along which parts of cells are not stacked.
     pub(crate) fn stored([count, resolution]: [u32; 2]) -> Self {
         let blocks = (1..=count).flat_map(|z| (z..=count).map(move |y| (y, z)));
         let blocks = blocks.map(|(y, z)| UVec3::new(count.div_ceil(y * z).max(y), y, z));
@@ -154,7 +152,7 @@ impl Cascades {
         Self { count, resolution, blocks, lowest: [IVec3::ZERO; MAX_CASCADES] }
     }
 
-    /// Voxels along each axis of the store.
+    /// Voxels along each axis of the storage.
     fn dimensions(&self) -> UVec3 {
         self.blocks * self.resolution
     }
@@ -169,8 +167,8 @@ impl Cascades {
         self.lowest.map(|lowest| lowest.extend(0).to_array())
     }
 
-    /// The boxes after the first step towards `end`. Each box moves along one axis, so that what
-    /// enters it is one box, or directly to its end if no part of it would stay.
+    /// The boxes after the first step towards `end`. Each box moves along one axis, so that the
+    /// entered part is a box, or directly to its end if no part of it would stay.
     pub(crate) fn step_to(&self, end: &Self) -> Self {
         let mut next = *end;
         for (cascade, next) in next.lowest.iter_mut().enumerate() {
@@ -265,7 +263,7 @@ impl Grid {
 
 /// The grid coordinate of the world's origin, in the finest voxels. Walls are often at round
 /// coordinates, and should be in the middle of voxels, as in `Grid::fit`, in every cascade: here at
-/// 0.5, 0.25, 0.625, 0.31, 0.66, 0.33 and so on, never less than a quarter from a voxel's side.
+/// 0.5, 0.25, 0.625, 0.31, 0.66, 0.33 and so on, at least a quarter from a voxel's side.
 fn place_of_the_origin(count: u32) -> f32 {
     (1..count).fold(0.5, |place, cascade| {
         let voxel = 2.0_f32.powi(cascade as i32);

@@ -1,4 +1,4 @@
-//! Parts of the cascades that triangle walks cover; elsewhere previous sums are kept
+//! The parts of cascades that triangle walks cover; elsewhere previous sums are kept
 //! (`voxelize/keep.wgsl`).
 
 use std::array;
@@ -13,8 +13,8 @@ use crate::{Draw, Grid};
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Walked {
     voxels: [[IVec3; 2]; MAX_CASCADES],
-    /// Opposite corners of the same ranges in the world, m, enlarged by one voxel on all sides to
-    /// allow for rounding. Empty ranges meet nothing.
+    /// Opposite corners of the ranges in the world, m, enlarged by one voxel on all sides for
+    /// rounding. Empty ranges intersect nothing.
     parts: [[Vec3; 2]; MAX_CASCADES],
     cascades: usize,
 }
@@ -39,7 +39,7 @@ impl Walked {
             let edge_m = grid.voxel_size_m * 2.0_f32.powi(cascade as i32);
             let voxel = |place: Vec3| ((place - grid.origin_in_world) / edge_m).floor();
             let near = boxes.iter().map(|[low, high]| {
-                // Whole strides, since the bits of neighbouring voxels share a word.
+                // Rounds to whole strides, since the bits of neighbouring voxels share a word.
                 let stride = STRIDE as f32;
                 let low = (((voxel(*low) - 1.0) / stride).floor() * stride).as_ivec3();
                 let high = (((voxel(*high) + 2.0) / stride).ceil() * stride).as_ivec3();
@@ -93,7 +93,7 @@ impl Cascades {
         [low, low + self.resolution as i32]
     }
 
-    /// Whether a cascade keeps a part of its former contents, and what has entered is one box.
+    /// Whether a cascade keeps a part of its former contents, and the entered part is a box.
     fn keeps_of(&self, before: &Self, cascade: usize) -> bool {
         let by = (self.lowest[cascade] - before.lowest[cascade]).abs();
         let axes = by.to_array().into_iter().filter(|by| *by > 0).count();

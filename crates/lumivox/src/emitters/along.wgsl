@@ -4,15 +4,15 @@ import package::emitters::cluster::{unpack, Cluster};
 import package::emitters::draw::{emitters, EmitterPoint};
 import package::emitters::emitter::{distance_to, emitter_of, nodes_at, tree_levels, FAR};
 
-// An emitter that a ray meets.
+// An emitter that a ray hits.
 struct Met {
     index: u32,
-    // From the ray's origin, in voxels; FAR: none is met.
+    // Distance from the ray's origin, in voxels; FAR if no emitter is hit.
     distance: f32,
 }
 
-// Whether a ray meets the box of a cluster nearer than `limit`. `inverse` is one over the ray's
-// direction, without zeros.
+// Whether a ray hits the box of a cluster nearer than `limit`. `inverse` is one over the ray's
+// direction, in which zeros are replaced.
 fn may_meet(cluster: Cluster, origin: vec3f, inverse: vec3f, limit: f32) -> bool {
     let to_centre = (cluster.centre - origin) * inverse;
     let reach = cluster.half_size * abs(inverse);
@@ -23,10 +23,11 @@ fn may_meet(cluster: Cluster, origin: vec3f, inverse: vec3f, limit: f32) -> bool
     return cluster.power > 0.0 && last >= max(first, 0.0) && first < limit;
 }
 
-// One-sided emitters are met only from the front. There must be emitters.
+// The nearest emitter along a ray; one-sided emitters are hit only from the front. The list must
+// not be empty.
 //
-// The tree is complete, so its nodes are gone through in depth-first order without a stack: from a
-// node that is missed, or from an emitter, the walk climbs until it has come from a left child.
+// The tree is complete, so it can be searched depth-first without a stack: from a missed node or an
+// emitter, the search climbs until it has come from a left child.
 fn emitter_along(origin: vec3f, direction: vec3f) -> Met {
     var met = Met(0u, FAR);
     let count = emitters.count;
@@ -77,7 +78,7 @@ fn emitter_along(origin: vec3f, direction: vec3f) -> Met {
     return met;
 }
 
-// The point that a ray from `place` meets. Its solid angle is 0: it was not drawn.
+// The point that a ray from `place` hits. Its solid angle is 0, since it was not drawn.
 fn point_along(met: Met, place: vec3f, direction: vec3f) -> EmitterPoint {
     let emitter = emitter_of(emitters.records[met.index]);
     let front = normalize(cross(emitter.along_ab, emitter.along_ac));

@@ -4,15 +4,16 @@
 import package::emitters::emitter::{Emitter, Record};
 
 struct Cluster {
-    // The box around them, in the grid's coordinates.
+    // The box around the emitters, in the grid's coordinates.
     centre: vec3f,
     half_size: vec3f,
-    // 0: the cluster is empty.
+    // Power of the emitters; 0 if the cluster is empty.
     power: f32,
-    // All emitters face within a cone about this axis; `cosine` is that of its half angle.
+    // The axis of a cone that contains the normals of all emitters; `cosine` is that of its half
+    // angle.
     axis: vec3f,
     cosine: f32,
-    // 1: some of them may emit to the back as well.
+    // 1 if some of the emitters may emit to the back as well.
     is_double_sided: u32,
 }
 
@@ -33,8 +34,8 @@ fn cluster_of(emitter: Emitter) -> Cluster {
     return Cluster(centre, 0.5 * (high - low), emitter.power, axis, 1.0, emitter.is_double_sided);
 }
 
-// The smallest cone about two cones (Pharr, Jakob and Humphreys 2023, "Physically based rendering",
-// section 3.8.4).
+// The smallest cone around two cones (Pharr, Jakob and Humphreys 2023, "Physically based
+// rendering", section 3.8.4).
 fn unite(a: Cluster, b: Cluster) -> Cluster {
     if a.power <= 0.0 {
         return b;
@@ -48,7 +49,7 @@ fn unite(a: Cluster, b: Cluster) -> Cluster {
         0.5 * (low + high), 0.5 * (high - low), a.power + b.power,
         a.axis, a.cosine, max(a.is_double_sided, b.is_double_sided),
     );
-    // Surfaces with two sides face both ways.
+    // Double-sided surfaces face both ways.
     var other = b.axis;
     if all.is_double_sided != 0u && dot(a.axis, other) < 0.0 {
         other = -other;
@@ -117,18 +118,18 @@ fn cosine_of_rest(cosine: f32, less: f32) -> f32 {
     return cosine * less + sqrt(max((1.0 - cosine * cosine) * (1.0 - less * less), 0.0));
 }
 
-// Estimates what a cluster contributes to a place on a surface, without occlusion: never 0 if it
-// contributes anything.
+// Estimates the contribution of a cluster to a place on a surface, without occlusion; 0 only if the
+// contribution is 0.
 //
 // Along a line from the nearest to the farthest of its emitters, the mean of 1 / d^2 is one over
 // the product of both distances. The nearest distance is at least NEAREST times the cluster's
-// radius: with a fourth of the radius instead, places near long tubes have half as much noise again
+// radius: with a fourth of the radius instead, places near long tubes have 50 % more noise
 // (docs/notebook.md).
 const NEAREST: f32 = 0.15;
 
 fn importance(cluster: Cluster, place: vec3f, normal: vec3f) -> f32 {
     let to_centre = cluster.centre - place;
-    // How far the box reaches in front of the surface.
+    // The condition's sum is the distance that the box extends in front of the surface.
     if cluster.power <= 0.0 || dot(normal, to_centre) + dot(abs(normal), cluster.half_size) <= 0.0 {
         return 0.0;
     }

@@ -1,11 +1,11 @@
-// Samples a point on an emitter for a place that it may light.
+// Samples a point on an emitter that may light a place.
 //
 // An emitter is chosen by descending the tree from its root: at each node one of the two children
 // is sampled in proportion to its estimated contribution to the place (emitters::cluster). A point
 // on the emitter is then sampled evenly over the solid angle that it subtends there (Arvo 1995,
 // "Stratified sampling of spherical triangles"), so that nearby emitters add no noise. Points on
-// emitters of a small solid angle are sampled evenly over the area: the result is the same, and no
-// precision is lost.
+// emitters of a small solid angle are sampled evenly over the area: the result is equal, without
+// loss of precision.
 
 import package::emitters::cluster::{importance, unpack};
 import package::emitters::emitter::{emitter_of, nodes_at, tree_levels, EmitterList};
@@ -13,35 +13,35 @@ import package::emitters::emitter::{emitter_of, nodes_at, tree_levels, EmitterLi
 @group(0) @binding(5) var<storage, read> emitters: EmitterList;
 
 struct EmitterPoint {
-    // In the grid's coordinates.
+    // The point, in the grid's coordinates.
     position: vec3f,
     // Normal of the emitter, on the side of the place; unit length.
     normal: vec3f,
-    // From the place to the point; unit length.
+    // Direction from the place to the point; unit length.
     direction: vec3f,
     radiance: vec3f,
-    // From the place to the point, in voxels.
+    // Distance from the place to the point, in voxels.
     distance: f32,
-    // The emitter's place in the list.
+    // The emitter's index in the list.
     index: u32,
     is_double_sided: bool,
-    // One over the probability density of the direction, sr; 0: no emitter lights the place.
+    // One over the probability density of the direction, sr; 0 if no emitter lights the place.
     solid_angle: f32,
 }
 
-// Smaller solid angles than this, sr, are sampled by area.
+// Emitters of a smaller solid angle, sr, are sampled by area.
 const SMALL_SOLID_ANGLE: f32 = 0.01;
 
 // A sampled emitter.
 struct Drawn {
     index: u32,
-    // The probability with which it was sampled; 0: no emitter lights the place.
+    // The probability of sampling this emitter; 0 if no emitter lights the place.
     share: f32,
-    // The random numbers in [0, 1) that choose the point on it.
+    // The random numbers in [0, 1) that choose the point on the emitter.
     on: vec2f,
 }
 
-// `random` is in [0, 1)^2. There must be emitters.
+// Samples an emitter; `random` is in [0, 1)^2. The list must not be empty.
 fn draw_emitter(place: vec3f, normal: vec3f, random: vec2f) -> Drawn {
     var drawn = Drawn(0u, 1.0, random);
     let count = emitters.count;
@@ -97,7 +97,7 @@ fn point_of(drawn: Drawn, place: vec3f) -> EmitterPoint {
     let outward = cross(emitter.along_ab, emitter.along_ac);
     let twice_area = length(outward);
     let front = outward / twice_area;
-    // How far in front of the emitter the place is; negative behind it.
+    // The distance of the place in front of the emitter; negative behind it.
     let ahead = -dot(corner, front);
     let normal = select(front, -front, ahead < 0.0);
     let height = abs(ahead);

@@ -1,17 +1,17 @@
 // Emissive triangles, as lights.
 
 struct Emitter {
-    // A corner and the edges from there, in the grid's coordinates; counter-clockwise as seen from
-    // the front.
+    // A corner and the edges from it, in the grid's coordinates; counter-clockwise seen from the
+    // front.
     corner: vec3f,
-    // Strength times area, of both sides if both emit.
+    // Strength times area, summed over both sides if both emit.
     power: f32,
     along_ab: vec3f,
-    // 1: it emits to the back as well.
+    // 1 if it emits to the back as well.
     is_double_sided: u32,
     along_ac: vec3f,
     padding_0: u32,
-    // Constant over the triangle.
+    // Radiance, constant over the triangle.
     radiance: vec3f,
     padding_1: u32,
 }
@@ -21,9 +21,8 @@ alias Record = array<vec4u, 4>;
 
 struct EmitterList {
     count: u32,
-    // Not zero: the volume shows emission to all cones, so no emitter is sampled. That is the case
-    // from a change of the voxels to the next lighting, and while the volume is too small for the
-    // change.
+    // Nonzero while the volume shows emission to all cones, so that no emitter is sampled: from a
+    // change of the voxels to the next lighting, and while the volume is too small for the change.
     is_shown: u32,
     padding_0: u32,
     padding_1: u32,
@@ -31,16 +30,16 @@ struct EmitterList {
     records: array<Record>,
 }
 
-// The weight of a radiance in sampling: all channels count the same. With luminance, rare blue
-// samples would have thirteen times their share, which is noise.
+// The weight of a radiance in sampling: all channels count equally. With luminance, rare blue
+// samples would have thirteen times their share, and be noise.
 fn strength(radiance: vec3f) -> f32 {
     return dot(radiance, vec3f(1.0 / 3.0));
 }
 
-// Emitters before and after one in the list that are searched for other parts of its body.
+// Number of emitters before and after one in the list that are searched for parts of the same body.
 const NEIGHBOURS: u32 = 64u;
 
-// The distance along a ray at which it meets nothing.
+// The distance of rays without a hit.
 const FAR: f32 = 3e38;
 
 // The distance along a ray to an emitter (Möller and Trumbore 1997, "Fast, minimum storage
@@ -76,13 +75,13 @@ fn emitter_of(record: Record) -> Emitter {
     );
 }
 
-// The number of levels of nodes above the emitters: 0 above a single one.
+// The number of levels of nodes above the emitters: 0 for a single emitter.
 fn tree_levels(count: u32) -> u32 {
     return 32u - countLeadingZeros(max(count, 1u) - 1u);
 }
 
-// The number of nodes of a level, each of which has two children in the level below; level 0 is the
-// emitters themselves.
+// The number of nodes of a level, each with two children in the level below; level 0 is the
+// emitters.
 fn nodes_at(count: u32, level: u32) -> u32 {
     return (count + (1u << level) - 1u) >> level;
 }

@@ -2,8 +2,7 @@
 //
 // One of several candidates is kept, in proportion to its contribution without occlusion (resampled
 // importance sampling: Talbot et al. 2005, "Importance resampling for global illumination"), and a
-// ray tests its visibility. The mean over frames is exact, except for the voxel faces that the ray
-// meets.
+// ray tests its visibility. The mean over frames is exact, except for occlusion by voxel faces.
 
 import package::cascades::finest_level;
 import package::cones::cone::{Cone, ConeSettings, START, Traced};
@@ -16,10 +15,9 @@ import package::grid::grid_from_world;
 const CANDIDATES: u32 = 8u;
 
 // Increments of a place's two random numbers from turn to turn. The first number times CANDIDATES
-// (8) places the candidates within their strata: of all increments, 0.46803 has the least
-// discrepancy of its first 4 to 128 multiples and of those of its eightfold. (The sequence of cones
-// has 0.7549, whose eightfold, 6.039, advances by only a 25th.) The second increment is that of the
-// cones.
+// (8) places the candidates within their strata: of all increments, 0.46803 and its eightfold have
+// the least discrepancy of their first 4 to 128 multiples. (The sequence of cones has 0.7549, whose
+// eightfold, 6.039, advances by only 1/25.) The second increment is that of the cones.
 const TURN_STEPS: vec2f = vec2f(0.46803, 0.7548776662);
 
 struct FromEmitters {
@@ -27,7 +25,7 @@ struct FromEmitters {
     samples: u32,
 }
 
-// Whether emitters are sampled. Kernels for geometry without emitters leave out what depends on it.
+// Whether emitters are sampled. Kernels for geometry without emitters omit code that depends on it.
 fn has_emitters() -> bool {
     if SAMPLES_EMITTERS == 0u {
         return false;
@@ -35,7 +33,8 @@ fn has_emitters() -> bool {
     return emitters.count > 0u && emitters.is_shown == 0u;
 }
 
-// Shadows are soft because points are spread over the emitter, not because the ray is wide.
+// Settings of shadow rays, which are narrow: shadows are soft because points are spread over the
+// emitter.
 fn ray_settings(settings: ConeSettings) -> ConeSettings {
     var ray = settings;
     ray.step_per_voxel = 1.0;
@@ -43,7 +42,7 @@ fn ray_settings(settings: ConeSettings) -> ConeSettings {
     return ray;
 }
 
-// The cosine at which light arrives; light from below the surface is folded up as cones are
+// The cosine at which light arrives; light from below the surface is mirrored up, like cones
 // (cones::gather).
 fn folded_cosine(direction: vec3f, shading_normal: vec3f, geometric_normal: vec3f) -> f32 {
     let above = dot(direction, geometric_normal);
@@ -55,7 +54,7 @@ fn folded_cosine(direction: vec3f, shading_normal: vec3f, geometric_normal: vec3
 }
 
 // The random numbers of candidate `index` of `count`: each candidate has its own stratum of the
-// first number, all at the same place within it.
+// first number, and all the same place within it.
 fn candidate(numbers: vec2f, index: u32, count: u32) -> vec2f {
     let parts = f32(count);
     return vec2f(
@@ -66,13 +65,13 @@ fn candidate(numbers: vec2f, index: u32, count: u32) -> vec2f {
 
 // The cover of a face reaches up to an eighth of a voxel beyond the surface, so that the faces of a
 // lamp thinner than a voxel hide its other sides. If a ray ends on the lamp within this distance of
-// the point, in voxels, the triangles themselves decide.
+// the point, in voxels, occlusion is tested with triangles instead.
 const OWN: f32 = 1.0;
 
-// The range of a face's radiance over the point's in which the face is taken for the lamp's.
+// The range of a face's radiance divided by the point's in which the face counts as the lamp's.
 const LIKE_OWN: vec2f = vec2f(0.5, 2.0);
 
-// Whether an emitter near a point's in the list hides it.
+// Whether a point is hidden by an emitter near its own in the list.
 fn is_hidden(point: EmitterPoint) -> bool {
     var is_met = false;
     let end = min(point.index + NEIGHBOURS + 1u, emitters.count);
@@ -107,8 +106,8 @@ fn trace_to(
     return traced;
 }
 
-// `level` is that of the voxels of the place's surface, `start` in [0, 1)^2 is the place's offset
-// in the sequence, and `turn` advances it.
+// `level` is the level of the voxels of the place's surface, `start` in [0, 1)^2 is the place's
+// offset in the sequence, and `turn` the index in it.
 fn gather_emitters(
     position_in_world: vec3f,
     shading_normal: vec3f,
@@ -149,9 +148,8 @@ fn gather_emitters(
     if sum <= 0.0 {
         return result;
     }
-    // If all weights are equal, this chooses the candidate in whose stratum the number falls. Other
-    // digits of `start` make the choice independent of where the candidates lie within their
-    // strata.
+    // If all weights are equal, this chooses the candidate whose stratum contains the number. Other
+    // digits of `start` make the choice independent of the candidates' place within their strata.
     let lot = fract(numbers.x + fract(start.x * 4096.0)) * sum;
     var index = 0u;
     var so_far = weights[0];

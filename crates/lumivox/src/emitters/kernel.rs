@@ -2,8 +2,8 @@
 
 use crate::gpu::{Kernel, Pipelines, ShaderError, ShaderLibrary};
 
-/// A kernel in two variants: one that samples emitters, and one for geometry without any, which is
-/// smaller.
+/// A kernel in two variants: one that samples emitters, and a smaller one for geometry without
+/// emitters.
 ///
 /// Neither is created before [`Self::expect`] or its first use.
 #[derive(Clone, Debug)]

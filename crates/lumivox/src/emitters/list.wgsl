@@ -1,7 +1,7 @@
 // Lists the emitters of a run of triangles: one thread for each.
 //
 // A textured triangle is quartered repeatedly into pieces of equal area, each with the mean of the
-// texture over it: sampling an emitter then reads no textures, of which there may be any number.
+// texture over it: sampling an emitter then reads no textures, whose number is unlimited.
 
 import package::constants::{DOUBLE_SIDED, LINEAR_WORKGROUP_SIZE};
 import package::emitters::emitter::{strength, Emitter};
@@ -12,7 +12,7 @@ import package::voxelize::triangles::{draws, load_triangle, SMALLEST_COVERAGE};
 
 struct RunEmitters {
     first_emitter: u32,
-    // How often a triangle is quartered.
+    // Number of times that a triangle is quartered.
     levels: u32,
     // The largest emission of all materials.
     emission_scale: f32,
@@ -88,7 +88,7 @@ fn main(
     }
     let area = 0.5 * length(cross(emitter.along_ab, emitter.along_ac));
     let power = strength(emitter.radiance) * area * f32(1u + emitter.is_double_sided);
-    // Triangles that are not finite emit nothing, as they are not voxelized either.
+    // Triangles that are not finite do not emit, since they are not voxelized either.
     emitter.power = select(0.0, power, power > 0.0 && power < 1e30);
     listed[params.first_emitter + index] = emitter;
 }

@@ -1,20 +1,18 @@
 //! Emissive surfaces as lights: a list of their triangles, which gathers sample.
 //!
-//! Cones hit a small lamp only by chance, in few of many frames. So diffuse gathers sample points
-//! on lamps instead, and their cones leave emission out: the volume then shows only reflected light
-//! ([`crate::light`]). Glossy cones find emission in the volume, since a mirror shows a lamp in
-//! only one direction.
+//! Cones rarely hit a small lamp. So diffuse gathers sample points on lamps instead, and their
+//! cones leave emission out: the volume then shows only reflected light ([`crate::light`]). Glossy
+//! cones find emission in the volume, since a mirror shows a lamp in only one direction.
 //!
-//! The list is made from the triangles themselves, so that a lamp's light does not depend on the
-//! voxels that it falls into: each entry has the corners in the grid's coordinates and the
-//! radiance, 64 bytes (`emitter.wgsl`). Textured triangles are cut into pieces of constant
-//! radiance. The list is sorted along a Morton curve, with a binary tree over it: a node has the
-//! box, the power and the directions of its emitters. So an emitter is sampled by its contribution
-//! to a place: power is area times the mean of the channels, nearer ones count more, and those that
-//! face away do not count (Conty Estevez and Kulla 2018, "Importance sampling of many lights with
-//! adaptive tree splitting"). The tree is complete, so nodes need no pointers: each level has half
-//! the nodes of the one below. A node takes 64 bytes, like an emitter, and stores the boxes of its
-//! two children.
+//! The list is made from the triangles themselves, so that a lamp's light does not depend on its
+//! voxels: each entry has the corners in the grid's coordinates and the radiance, 64 bytes
+//! (`emitter.wgsl`). Textured triangles are cut into pieces of constant radiance. The list is
+//! sorted along a Morton curve, with a binary tree over it: a node has the box, the power and the
+//! directions of its emitters. So an emitter is sampled by its contribution to a place: power is
+//! area times the mean of the channels, nearer emitters count more, and those that face away do not
+//! count (Conty Estevez and Kulla 2018, "Importance sampling of many lights with adaptive tree
+//! splitting"). The tree is complete, so nodes need no pointers: each level has half the nodes of
+//! the one below. A node takes 64 bytes, like an emitter, and stores the boxes of its two children.
 //!
 //! | file | does | once per |
 //! | --- | --- | --- |
@@ -70,16 +68,16 @@ pub(crate) struct EmitterRecord {
     padding_1: u32,
 }
 
-/// Bytes before the first emitter, and the byte in them of the flag that the volume shows emission.
+/// Bytes before the first emitter, and the byte offset of `is_shown` in them.
 const HEADER_BYTES: u64 = 16;
 const SHOWN_BYTE: u64 = 4;
 
-/// The most triangles that are listed (64 MiB with their tree). If more triangles are emissive,
+/// Maximum number of listed triangles (64 MiB with their tree). If more triangles are emissive,
 /// only cones find them.
 const MOST_TRIANGLES: u64 = 1 << 19;
 
-/// The most pieces of a geometry's textured triangles, if it has no more runs than that: half of
-/// what one binding can hold beside all triangles.
+/// Maximum number of pieces of a geometry's textured triangles, unless it has more runs: half of
+/// the space that a binding has beside all triangles.
 const MOST_PIECES_OF_ALL: u32 = 1 << 18;
 
 /// `RunEmitters` of `list.wgsl`.
@@ -92,11 +90,11 @@ pub(crate) struct RunEmitters {
     padding: u32,
 }
 
-/// The most pieces that the textured triangles of a run are cut into, all together: a screen of two
-/// triangles gets 32 x 32 pieces, 10 000 triangles get one each.
+/// Maximum number of pieces of all textured triangles of a run: a screen of two triangles gets 32 x
+/// 32 pieces, 10 000 triangles get one each.
 const MOST_PIECES: u32 = 2048;
 
-/// How often a run's triangles are quartered.
+/// Number of times that a run's triangles are quartered.
 fn levels_of(group: &DrawGroup, material: &SurfaceMaterial, most_pieces: u32) -> u32 {
     let is_even = textures_of(material).iter().all(Option::is_none);
     let pieces = most_pieces / (group.triangles.end - group.triangles.start);
@@ -116,7 +114,7 @@ pub(crate) struct Emitters {
     /// Single-word buffers with the values 1 and 0.
     words: [Buffer; 2],
     batches: Vec<BoundBatch>,
-    /// The contents of the buffers of static draws are not known.
+    /// `true` if the contents of the buffers of static draws may have changed.
     is_forgotten: bool,
     /// `true` if there were dynamic emitters.
     has_moving: bool,
@@ -126,7 +124,7 @@ pub(crate) struct Emitters {
 /// A batch with emissive triangles.
 #[derive(Debug)]
 struct BoundBatch {
-    /// Without draws.
+    /// The bound batch, without draws.
     source: GeometryBatch,
     draws: Staged,
     known: Vec<u8>,
@@ -204,7 +202,7 @@ impl Emitters {
         self.order.list()
     }
 
-    /// `true` if a geometry has emitters, and not more of them than can be listed.
+    /// `true` if a geometry has emitters, and all of them can be listed.
     pub(crate) fn are_in(geometry: &Geometry) -> bool {
         if !geometry.materials.iter().any(emits) {
             return false;
@@ -218,7 +216,7 @@ impl Emitters {
         (1..=MOST_TRIANGLES).contains(&triangles)
     }
 
-    /// `true` if emitters are listed; otherwise gathers need not sample them.
+    /// `true` if emitters are listed.
     pub(crate) fn has_any(&self) -> bool {
         !self.batches.is_empty()
     }
@@ -305,7 +303,7 @@ impl Emitters {
     }
 
     /// Enables emitter sampling, since the volume will no longer show emission, unless `late_word`
-    /// is not zero: then the volume is too small for its change.
+    /// is nonzero because the volume overflowed.
     pub(crate) fn wake(&self, recorder: &mut Recorder<'_>, late_word: Option<&Buffer>) {
         let word = late_word.unwrap_or(&self.words[1]);
         recorder.copy((word, 0), (self.order.list(), SHOWN_BYTE), 4);

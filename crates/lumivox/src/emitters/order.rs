@@ -1,4 +1,4 @@
-//! The list's order and the tree over it, rebuilt each time the list is.
+//! The list's order and the tree over it, rebuilt with the list.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -121,7 +121,7 @@ impl Order {
         Ok(order)
     }
 
-    /// Queues the kernels that lists of up to [`SORT_BLOCK`] emitters run for compilation.
+    /// Queues for compilation the kernels that lists of up to [`SORT_BLOCK`] emitters need.
     pub(super) fn expect(&self, device: &Pipelines) {
         for kernel in [&self.sort_blocks, &self.place, &self.tree] {
             kernel.expect(device);
@@ -212,7 +212,7 @@ impl Order {
     }
 }
 
-/// A list without emitters, with space for one, since no binding may be empty.
+/// A list without emitters, with space for one, since bindings may not be empty.
 pub(crate) fn empty_list(device: &wgpu::Device) -> Buffer {
     storage_buffer(device, "emitters", HEADER_BYTES + size_of::<EmitterRecord>() as u64)
 }

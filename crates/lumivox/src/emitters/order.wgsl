@@ -1,7 +1,7 @@
-// The order of the emitters along a Morton curve: consecutive emitters are close to each other,
-// whatever the order of the meshes. Sorted by a bitonic network (Batcher 1968, "Sorting networks
-// and their applications"), whose order of exchanges is fixed. The sorted emitters of thin closed
-// bodies keep only their outer side.
+// Sorts the emitters along a Morton curve: consecutive emitters are close to each other, whatever
+// the order of the meshes. The method is a bitonic network (Batcher 1968, "Sorting networks and
+// their applications"), whose order of exchanges is fixed. Emitters of thin closed bodies keep only
+// their outer side.
 
 import package::constants::{LINEAR_WORKGROUP_SIZE, SORT_BLOCK, SORT_WORKGROUP_SIZE};
 import package::emitters::emitter::{
@@ -13,7 +13,7 @@ struct Sorting {
     count: u32,
     // Runs of this many keys are sorted alternately up and down.
     run: u32,
-    // The distance of the keys that are compared.
+    // The distance of compared keys.
     distance: u32,
     // Morton cells along a voxel's edge.
     cells_per_voxel: f32,
@@ -35,7 +35,7 @@ fn key_of(index: u32) -> vec2u {
     }
     let emitter = unsorted[index];
     let middle = emitter.corner + (emitter.along_ab + emitter.along_ac) / 3.0;
-    // The curve repeats outside of the boxes, so those of a clipmap may move anywhere.
+    // The curve repeats outside of the boxes, so a clipmap's boxes may move anywhere.
     let cell = vec3i(floor(middle * sorting.cells_per_voxel)) & vec3i(1023);
     return vec2u(morton_encode(vec3u(cell)), index);
 }
@@ -44,7 +44,7 @@ fn is_after(a: vec2u, b: vec2u) -> bool {
     return a.x > b.x || (a.x == b.x && a.y > b.y);
 }
 
-// The first of a thread's two keys: their distance is a power of two.
+// The first of a thread's two keys; the distance of the two is a power of two.
 fn first_of(thread: u32, distance: u32) -> u32 {
     return 2u * thread - (thread & (distance - 1u));
 }
@@ -131,14 +131,16 @@ const WAYS = array<vec3f, 9>(
     vec3f(0.19, -0.98, 0.03), vec3f(-0.12, 0.99, 0.03),
 );
 
-// How far in front of the surface they start, in voxels, so that its other triangles lie behind.
+// Distance of the rays' starts in front of the surface, in voxels, so that its other triangles lie
+// behind.
 const AHEAD = 0.002;
 
-// Points in a triangle, off the middle, whose mirror image may lie on an edge of the other side.
+// Points in a triangle where rays start; not its middle, whose mirror image may lie on an edge of
+// the other side.
 const PLACES = array<vec2f, 3>(vec2f(0.31, 0.23), vec2f(0.05, 0.88), vec2f(0.87, 0.06));
 
-// Whether an odd number of emitters lies ahead in all directions, and the body is thinner than a
-// voxel ahead or along the surface: the side that `normal` points to is inside of it.
+// Whether the side that `normal` points to is inside of a thin body: an odd number of emitters lies
+// ahead in all directions, and the body is thinner than a voxel ahead or along the surface.
 fn is_inside(index: u32, emitter: Emitter, normal: vec3f) -> bool {
     let along = normalize(emitter.along_ab);
     let frame = mat3x3f(along, cross(normal, along), normal);
@@ -159,8 +161,8 @@ fn is_inside(index: u32, emitter: Emitter, normal: vec3f) -> bool {
     return least < 1.0;
 }
 
-// The emitter with its outer side only, if it is double-sided and part of a closed body thinner
-// than a voxel: nothing sees its inside, and rays through voxels would.
+// The emitter; only its outer side if it is double-sided and part of a closed body thinner than a
+// voxel, whose inside is invisible, but not for rays through voxels.
 fn without_inside(index: u32, emitter: Emitter) -> Emitter {
     let outward = cross(emitter.along_ab, emitter.along_ac);
     if emitter.is_double_sided == 0u || emitter.power <= 0.0 || all(outward == vec3f(0.0)) {

@@ -1,4 +1,4 @@
-//! Light of emitters against closed forms.
+//! Compares light of emitters with closed forms.
 
 use std::f32::consts::PI;
 
@@ -13,7 +13,7 @@ use crate::{
     SurfaceTexture, TraceSettings, VertexAttributes, VolumeKind,
 };
 
-/// A scene between the corners of the unit cube, lit by what shines in it.
+/// A scene in the unit cube, lit by its emissive surfaces.
 struct Lab {
     device: Pipelines,
     queue: wgpu::Queue,
@@ -51,7 +51,7 @@ impl Lab {
         recorder.submit();
     }
 
-    /// Irradiance that is not from lamps, at points with normals.
+    /// Indirect irradiance at points with normals.
     fn gather(&self, points: &[(Vec3, Vec3)], frames: u32) -> Vec<Vec3> {
         let (positions, normals): (Vec<Vec3>, Vec<Vec3>) = points.iter().copied().unzip();
         let settings = GatherSettings { frames, ..GatherSettings::default() };
@@ -68,8 +68,8 @@ impl Lab {
     }
 }
 
-/// Irradiance from a polygon of radiance 1 that is seen whole: Lambert 1760; corners in the order
-/// in which they go around counter-clockwise, seen from the point.
+/// Irradiance from a fully visible polygon of radiance 1 (Lambert 1760); corners are
+/// counter-clockwise, seen from the point.
 fn polygon_irradiance(point: Vec3, normal: Vec3, corners: &[Vec3]) -> f32 {
     let sides = (0..corners.len()).map(|i| {
         let [a, b] =
@@ -88,7 +88,7 @@ fn lamp(height: f32) -> [Vec3; 3] {
     [Vec3::new(0.4, height, 0.4), Vec3::X * 0.2, Vec3::Z * 0.2]
 }
 
-/// Points on a floor, and on two walls, some within a lamp's size of it.
+/// Points on a floor, near the lamp, and on a wall.
 fn receivers() -> Vec<(Vec3, Vec3)> {
     let floor = (0..9).map(|i| Vec3::new(0.1 + 0.1 * i as f32, 0.05, 0.33)).map(|p| (p, Vec3::Y));
     let near = (0..5).map(|i| Vec3::new(0.35 + 0.07 * i as f32, 0.75, 0.5)).map(|p| (p, Vec3::Y));
@@ -96,7 +96,7 @@ fn receivers() -> Vec<(Vec3, Vec3)> {
     floor.chain(near).chain(wall).collect()
 }
 
-/// The mean and the largest relative error of what points get from a lamp.
+/// The mean and the largest relative error of the light at the receivers.
 fn errors(gathered: &[Vec3], expected: impl Fn(Vec3, Vec3) -> f32) -> [f32; 2] {
     let errors: Vec<f32> = (gathered.iter().zip(receivers()))
         .map(|(light, (point, normal))| light.y / expected(point, normal) - 1.0)
@@ -105,8 +105,8 @@ fn errors(gathered: &[Vec3], expected: impl Fn(Vec3, Vec3) -> f32) -> [f32; 2] {
     [mean, errors.iter().fold(0.0, |largest, error| largest.max(error.abs()))]
 }
 
-/// However near the ceiling hangs behind the lamp, nothing of its light is lost: in the same voxel,
-/// in the next one, far away. Over 64 frames the points drawn leave errors of a few thousandths.
+/// The lamp's light is complete whether the ceiling behind it is in the same voxel, in the next
+/// one, or far away. After 64 frames the drawn points have errors of a few thousandths.
 #[test]
 fn a_lamp_below_a_ceiling_sends_out_all_its_light() {
     for gap_voxels in [0.05, 0.6, 1.0, 1.7, 3.0] {
@@ -125,7 +125,7 @@ fn a_lamp_below_a_ceiling_sends_out_all_its_light() {
     }
 }
 
-/// A single frame knows the lamp everywhere: it is not met by chance.
+/// A single frame samples the lamp at every point, not by chance.
 #[test]
 fn one_frame_approximates_the_lamp_at_every_point() {
     let [corner, u, v] = lamp(0.9);
@@ -141,7 +141,7 @@ fn one_frame_approximates_the_lamp_at_every_point() {
     assert!(worst < 0.15, "one frame is off by {worst}");
 }
 
-/// A back does not shine, unless it is one of a surface with two sides.
+/// Only double-sided surfaces emit from their back.
 #[test]
 fn only_double_sided_emitters_shine_to_the_back() {
     for double_sided in [false, true] {
@@ -156,8 +156,9 @@ fn only_double_sided_emitters_shine_to_the_back() {
     }
 }
 
-/// The six sides of a cuboid of that size below the top of the cube, turned about y against the
-/// grid: a corner and two edges each, counter-clockwise from outside; those of y are in the middle.
+/// The six sides of a cuboid of this size below the top of the cube, turned about y against the
+/// grid: a corner and two edges each, counter-clockwise from outside; the sides of y are in the
+/// middle.
 fn cuboid(size: Vec3) -> [[Vec3; 3]; 6] {
     let turn = Mat4::from_rotation_y(0.5);
     let edges = [Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z];
@@ -183,8 +184,8 @@ fn outer_irradiance(sides: &[[Vec3; 3]], point: Vec3, normal: Vec3) -> f32 {
     seen.map(|&side| quad_irradiance(point, normal, side)).sum()
 }
 
-/// All sides of a thin lamp are seen from outside, and nothing of what is inside, whether its
-/// material has one side or two, and whichever way its triangles wind.
+/// All sides of a thin lamp are visible from outside, and its inside is not, whether its material
+/// is one- or double-sided, and whichever way its triangles wind.
 #[test]
 fn a_thin_lamp_is_bright_on_all_its_outer_sides_only() {
     for (double_sided, is_inside_out) in [(false, false), (true, false), (true, true)] {
@@ -202,7 +203,7 @@ fn a_thin_lamp_is_bright_on_all_its_outer_sides_only() {
     }
 }
 
-/// The inner sides of an open ring are seen through its lower end.
+/// The inner sides of an open ring are visible through its lower end.
 #[test]
 fn an_open_ring_is_bright_inside() {
     let [a, b, .., c, d] = cuboid(Vec3::new(0.05, 0.04, 0.05));
@@ -215,7 +216,7 @@ fn an_open_ring_is_bright_inside() {
     assert!((light / expected - 1.0).abs() < 0.1, "{light} instead of {expected}");
 }
 
-/// A closed room of twelve voxels is no thin lamp: its double-sided walls shine inwards.
+/// A closed room of twelve voxels is not a thin lamp: its double-sided walls emit inwards.
 #[test]
 fn a_glowing_room_is_bright_inside() {
     let material = SurfaceMaterial { double_sided: true, ..lambert(0.0, 1.0) };
@@ -225,8 +226,8 @@ fn a_glowing_room_is_bright_inside() {
     assert!((light / PI - 1.0).abs() < 0.05, "{light} instead of {PI}");
 }
 
-/// A lamp in a closed cover of a hundredth of its radiance, in the same voxels, is hardly seen: at
-/// the worst place 1.6 % of it, since faces in a voxel are planes.
+/// A closed cover of a hundredth of the lamp's radiance, in the same voxels, hides nearly all of
+/// the lamp: 1.6 % of its light passes at the worst place, since faces in a voxel are planes.
 #[test]
 fn a_dim_cover_hides_the_lamp_in_it() {
     let cover = cuboid(BAR + Vec3::splat(0.04));
@@ -238,7 +239,7 @@ fn a_dim_cover_hides_the_lamp_in_it() {
     assert!(bias.abs() < 0.3 && worst < 3.0, "bias {bias}, worst {worst}");
 }
 
-/// Below a plate there is its shadow; beside it the lamp is seen in part.
+/// Points below a plate are in its shadow; the one at its edge sees a part of the lamp.
 #[test]
 fn a_plate_casts_a_shadow_below_a_lamp() {
     let [corner, u, v] = lamp(0.9);
@@ -258,12 +259,12 @@ fn a_plate_casts_a_shadow_below_a_lamp() {
     let half = quad_irradiance(points[2], Vec3::Y, [corner + 0.5 * u, 0.5 * u, v]);
     assert!(gathered[0].y < 0.01 * whole[0], "{gathered:?}");
     assert!(gathered[1].y < 0.01 * whole[1], "{gathered:?}");
-    // The edge is known to a part of a voxel.
+    // The plate's edge is only known to a fraction of a voxel.
     assert!((gathered[2].y / half - 1.0).abs() < 0.12, "{} of {half}", gathered[2].y);
     assert!((gathered[3].y / whole[3] - 1.0).abs() < 0.01, "{} of {}", gathered[3].y, whole[3]);
 }
 
-/// Ten thousand emitters of any power shine like one sheet of their sum.
+/// Ten thousand emitters of different powers light like one sheet of their sum.
 #[test]
 fn ten_thousand_emitters_add_up() {
     let edge = 71;
@@ -288,7 +289,7 @@ fn ten_thousand_emitters_add_up() {
         .sum::<Vec3>()
         / gathered.len() as f32;
     println!("ten thousand emitters: {sum} of {expected}");
-    // One colour is kept of each eight draws, so that colours have more noise than their sum.
+    // One of eight draws is kept, with its colour, so colours have more noise than their sum.
     let ratio = sum / expected;
     assert!(
         (sum.element_sum() / expected.element_sum() - 1.0).abs() < 0.015,
@@ -297,9 +298,9 @@ fn ten_thousand_emitters_add_up() {
     assert!((ratio - Vec3::ONE).abs().max_element() < 0.06, "{sum} of {expected}");
 }
 
-/// The noise at places a few centimetres from a ceiling of five thousand tiny lamps, in no order:
-/// a choice by power only would seldom find the nearest ones, and has an error of 12 %; here it is
-/// 2.5 %.
+/// Noise at places a few centimetres from a ceiling of five thousand tiny lamps in random order. A
+/// choice only by power would seldom find the nearest lamps, for an error of 12 %; here it is 2.5
+/// %.
 #[test]
 fn near_emitters_are_sampled_among_thousands() {
     const SIZE: f32 = 0.002;
@@ -333,7 +334,7 @@ fn near_emitters_are_sampled_among_thousands() {
     assert!(rmse < 0.05, "RMSE {rmse}");
 }
 
-/// A lamp of a texture that is red on one half, and dark on the other.
+/// A lamp with a texture that is red on one half and dark on the other.
 fn half_red(device: &Pipelines, queue: &wgpu::Queue) -> (Geometry, [Buffer; 3]) {
     let size = wgpu::Extent3d { width: 64, height: 64, depth_or_array_layers: 1 };
     let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -371,7 +372,7 @@ fn half_red(device: &Pipelines, queue: &wgpu::Queue) -> (Geometry, [Buffer; 3]) 
     (geometry, [positions, texcoords, indices])
 }
 
-/// A textured surface shines where its texture is bright, and nowhere else.
+/// A textured surface emits only where its texture is bright.
 #[test]
 fn textures_shine_where_they_are_bright() {
     let mut lab = Lab::empty(VolumeKind::Dense, 32);
@@ -389,7 +390,7 @@ fn textures_shine_where_they_are_bright() {
     assert!(gathered.iter().all(|light| light.y == 0.0 && light.z == 0.0), "{gathered:?}");
 }
 
-/// Pieces of a triangle cover it: once, and with its own orientation.
+/// Pieces of a triangle cover it once, with its orientation.
 #[test]
 fn emitter_pieces_cover_the_triangle_once() {
     let mut lab = Lab::empty(VolumeKind::Dense, 32);
@@ -410,7 +411,7 @@ fn emitter_pieces_cover_the_triangle_once() {
     assert_eq!(middles.len(), pieces.len(), "pieces lie on each other");
 }
 
-/// A closed room of emitters: walls next to each other, and corners, where solid angles are large.
+/// A closed room of emitters, with corners, where solid angles are large.
 #[test]
 fn glowing_walls_light_each_other() {
     let room = SceneBuilder::default().room(Vec3::ZERO, Vec3::ONE, &lambert(0.0, 1.0));
@@ -430,7 +431,7 @@ fn glowing_walls_light_each_other() {
 }
 
 /// Two runs have the same bits, with dense volumes and octrees. So has a lamp that has moved to its
-/// place from elsewhere, except for the last bits in octrees, whose bricks are elsewhere then.
+/// place from elsewhere, except for last bits in octrees, since places of bricks differ.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_lamps_light_does_not_depend_on_its_past() {
@@ -460,7 +461,7 @@ fn a_lamps_light_does_not_depend_on_its_past() {
         let fresh = light(&mut Lab::empty(volume, 16), &geometry);
         assert_eq!(fresh, light(&mut lab, &geometry), "{volume:?}: another run");
         assert_eq!(fresh, lab.gather(&receivers(), 4), "{volume:?}: the volume stays as it was");
-        // Away and back, in frames.
+        // Moves the lamp away and back, in frames.
         for height in [0.1, 0.2, 0.3, 0.3, 0.3, 0.3, 0.3] {
             lift(&mut geometry, height);
             let mut recorder = Recorder::new(&lab.device, &lab.queue);
@@ -479,7 +480,7 @@ fn a_lamps_light_does_not_depend_on_its_past() {
     }
 }
 
-/// Once nothing shines any more, it is dark.
+/// After the emission is removed, it is dark.
 #[test]
 fn no_light_remains_after_emission_is_removed() {
     let [corner, u, v] = lamp(0.9);

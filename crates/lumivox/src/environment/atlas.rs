@@ -1,5 +1,5 @@
-//! A cube with all its mips, laid out in one texture: every face of every mip has a border of one
-//! texel, so that a bilinear sample anywhere on a face includes the texels beyond its edges.
+//! A cube with all its mips, laid out in one texture. Every face of every mip has a border of one
+//! texel, so that bilinear samples at a face's edge include the neighbouring face's texels.
 
 use glam::{UVec2, Vec3};
 
@@ -9,7 +9,7 @@ use super::cube::{Cube, direction};
 const BORDER: u32 = 1;
 
 /// The layout of the texture: each mip has two rows of three faces. The first mip is at the left;
-/// the others are below each other to its right. `environment.wgsl` has the same layout.
+/// the others are in a column to its right. `environment.wgsl` has the same layout.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     edge: u32,
@@ -145,8 +145,8 @@ mod tests {
         }
     }
 
-    /// A function that is smooth over the sphere is smooth across every edge: texels beyond an edge
-    /// differ no more than those within.
+    /// A function that is smooth over the sphere is smooth across every edge: neighbours across an
+    /// edge differ no more than those within a face.
     #[test]
     fn face_borders_continue_the_neighbouring_face() {
         let edge = 16;

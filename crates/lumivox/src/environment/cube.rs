@@ -95,8 +95,8 @@ fn halved(from: Panorama<'_>) -> Image {
     Image { width, height, rgb }
 }
 
-/// The direction (of any length) of a position on a face; `s` to the right and `t` down, from -1 to
-/// 1. All graphics APIs share this arrangement: Vulkan 1.3, section "Cube map face selection".
+/// The direction (of any length) of a position on a face, from -1 to 1: `s` to the right, `t` down.
+/// All graphics APIs share this arrangement: Vulkan 1.3, section "Cube map face selection".
 pub(super) fn direction(face: usize, s: f32, t: f32) -> Vec3 {
     match face {
         0 => Vec3::new(1.0, -t, -s),
@@ -149,7 +149,7 @@ impl Cube {
     pub(super) fn halved(&self) -> Self {
         let edge = self.edge / 2;
         let mut texels = Vec::with_capacity(6 * edge as usize * edge as usize);
-        // All faces are alike.
+        // The weights are the same for all faces.
         let weights: Vec<f32> = (0..self.edge)
             .flat_map(|y| (0..self.edge).map(move |x| (x, y)))
             .map(|(x, y)| solid_angle_sr(self.edge, x, y))

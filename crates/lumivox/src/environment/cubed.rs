@@ -18,7 +18,7 @@ const MAX_SAMPLES: u32 = 16;
 /// An [`EnvironmentMap`] that is filled from cube textures on the GPU, while the caller records a
 /// frame.
 ///
-/// Peaks are not cut out: a sun belongs in the lights, not in the cube.
+/// Peaks are not cut out: pass a sun as a light, not in the cube.
 #[derive(Debug)]
 pub struct EnvironmentCube {
     map: EnvironmentMap,
@@ -81,8 +81,8 @@ pub(crate) struct CubeLevel {
 }
 
 impl EnvironmentCube {
-    /// A black map with faces of `edge` x `edge` texels: a power of two from 2 to 1024. 128 texels
-    /// take 3.2 MiB.
+    /// A black map with faces of `edge` x `edge` texels, a power of two from 2 to 1024. With an
+    /// edge of 128 it takes 3.2 MiB.
     ///
     /// ```
     /// # pollster::block_on(async {

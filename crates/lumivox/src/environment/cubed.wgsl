@@ -106,7 +106,7 @@ fn texel_at(face: u32, texel: vec2u) -> vec3f {
     return levels[index_of(level.first, level.edge, face, texel)].rgb;
 }
 
-// A texel in bordered coordinates, beyond at most one edge; there it is the neighbour's texel.
+// A texel in bordered coordinates, beyond at most one edge: beyond it, the neighbour's texel.
 fn bordered_texel(face: u32, texel: vec2u) -> vec3f {
     let edge = level.edge;
     if all(texel >= vec2u(1u)) && all(texel <= vec2u(edge)) {

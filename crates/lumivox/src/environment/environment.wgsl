@@ -1,6 +1,6 @@
-// The radiance that a cone sees outside the grid: the environment, at a resolution of its own.
+// The radiance that a cone sees outside the grid: the environment, at its own resolution.
 //
-// Seen from the cone's start, a sample has the angle `growth`. It reads the mip in which a bilinear
+// A sample subtends the angle `growth` at the cone's start. It reads the mip in which a bilinear
 // sample is equally wide. Mips store means over solid angles, in multiples of
 // `light_globals.environment`.
 //
@@ -13,12 +13,12 @@ import package::light::lights::{light_globals, Light};
 
 // The whole environment.
 @group(2) @binding(5) var environment_sharp: texture_2d<f32>;
-// The environment without the peaks that are lights (LIGHT_ENVIRONMENT).
+// The environment without the peaks that became lights (LIGHT_ENVIRONMENT).
 @group(2) @binding(6) var environment_soft: texture_2d<f32>;
 @group(2) @binding(7) var environment_sampler: sampler;
 
-// The width of a bilinear sample, in texels: that of the box with the same noise, 1 / (integral of
-// the squared tent).
+// The width of a bilinear sample, in texels: the width of a box filter with the same noise, 1 /
+// (integral of the squared tent).
 const TEXELS_PER_SAMPLE: f32 = 1.5;
 
 // From the world to the map: a rotation about y.
@@ -53,8 +53,8 @@ struct CubePlace {
     place: vec2f,
 }
 
-// Vulkan 1.3, section "Cube map face selection". Without branches: lavapipe crashes if it makes
-// constants of uniforms that conditions depend on.
+// Vulkan 1.3, section "Cube map face selection". Without branches, since lavapipe crashes if it
+// inlines uniforms that conditions depend on.
 fn cube_place(direction: vec3f) -> CubePlace {
     let size = abs(direction);
     let is_x = (size.x >= size.y) & (size.x >= size.z);
@@ -74,7 +74,7 @@ fn sample_mip(map: texture_2d<f32>, at: CubePlace, mip: u32) -> vec3f {
     let size = textureDimensions(map);
     let first = cube_edge(size);
     let edge = first >> mip;
-    // The first mip is at the left; the others are below each other to its right.
+    // The first mip is at the left; the others are in a column to its right.
     let above = select(0u, 2u * (first - 2u * edge) + 4u * (mip - 1u), mip > 0u);
     let corner = vec2u(select(0u, 3u * (first + 2u), mip > 0u), above)
         + vec2u(at.face % 3u, at.face / 3u) * (edge + 2u);
@@ -94,8 +94,8 @@ fn sample_cube(map: texture_2d<f32>, direction: vec3f, level: f32) -> vec3f {
     );
 }
 
-// Radiance from outside along a unit vector, without the peaks that are lights; `width` is the edge
-// of the cells over the distance.
+// Radiance from outside along a unit vector, without the peaks that became lights; `width` is the
+// edge of the cells divided by the distance.
 fn environment_radiance(direction: vec3f, width: f32) -> vec3f {
     let in_map = map_from_world(direction);
     let level = cube_level(in_map, width, cube_edge(textureDimensions(environment_soft)));
@@ -103,7 +103,7 @@ fn environment_radiance(direction: vec3f, width: f32) -> vec3f {
 }
 
 // Radiance from outside along a glossy reflection. A lobe (alpha of the microfacets) narrower than
-// the peaks shows them from the map; a wider one gets them from their lights, see `glossy_share`.
+// the peaks reflects them in the map; a wider one reflects their lights, see `glossy_share`.
 fn environment_reflection(direction: vec3f, width: f32, alpha: f32) -> vec3f {
     if alpha >= light_globals.mirror_alpha {
         return environment_radiance(direction, width);
@@ -113,14 +113,13 @@ fn environment_reflection(direction: vec3f, width: f32, alpha: f32) -> vec3f {
     return light_globals.environment * sample_cube(environment_sharp, in_map, level);
 }
 
-// The share of a light that its highlight shows: 0 if `environment_reflection` already shows the
-// light.
+// The share of a light in its highlight: 0 if `environment_reflection` already shows the light.
 fn glossy_share(light: Light, alpha: f32) -> f32 {
     return select(
         1.0, 0.0, light.kind == LIGHT_ENVIRONMENT && alpha < light_globals.mirror_alpha);
 }
 
-// The radiance that the eye sees along a unit vector: the whole environment, sharp.
+// The background's radiance along a unit vector: the whole environment, sharp.
 fn environment_background(direction: vec3f) -> vec3f {
     return light_globals.environment
         * sample_mip(environment_sharp, cube_place(map_from_world(direction)), 0u);

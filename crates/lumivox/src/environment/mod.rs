@@ -1,18 +1,18 @@
-//! The environment, which cones see outside the grid: a uniform radiance, or a picture.
+//! The environment, which cones see outside the grid: a constant radiance, or a picture.
 //!
 //! A picture becomes a cube map whose mips are means over their solid angle, computed in f32 on the
 //! CPU ([`cube`]). A cone that leaves the grid continues to infinity: it reads the mip whose texels
 //! are as wide as a share of the cone (`environment.wgsl`). Cone directions are jittered over the
 //! whole hemisphere, so that the mean over frames is the integral over the mips.
 //!
-//! A few rays cannot find a sun: it would be a speck of noise, and its shadow as wide as a cone.
-//! Compact peaks are therefore cut out ([`peaks`]) and become directional lights, with shadow maps
-//! and exact highlights; the rest is the *soft* cube. The *sharp* cube contains everything, for the
+//! A few rays rarely hit a sun: it would be noise, and its shadow as wide as a cone. Compact peaks
+//! are therefore cut out ([`peaks`]) and become directional lights, with shadow maps and exact
+//! highlights; the rest is the *soft* cube. The *sharp* cube contains everything, for the
 //! background and for lobes that are narrower than the peaks: mirrors show the sun's disc instead
 //! of the highlight of its light.
 //!
-//! The cubes store half floats, in multiples of a power of two near the picture's mean: from a
-//! 16-millionth of the mean to 65 504 times the mean. Brighter texels are clipped only in the sharp
+//! The cubes store half floats, in multiples of a power of two near the picture's mean: from 1 / 16
+//! 000 000 of the mean to 65 504 times the mean. Brighter texels are clipped only in the sharp
 //! cube, since the sun's energy is in its light.
 //!
 //! A cube's texels have about the same size in all directions. It is laid out in one 2D texture,
@@ -38,10 +38,9 @@ use cube::Cube;
 pub(crate) use cubed::{CubeLevel, CubeLight};
 pub use cubed::{CubeUse, EnvironmentCube};
 
-/// Maximum edge of a face of the sharp cube; the middle of a face then has 9 texels per degree. 74
-/// MiB.
+/// Maximum edge of a face of the sharp cube: 9 texels per degree in a face's middle, 74 MiB.
 const MAX_SHARP_EDGE: u32 = 1024;
-/// Maximum edge of a face of the soft cube, which no lobe reads sharply. 19 MiB.
+/// Maximum edge of a face of the soft cube, which narrow lobes do not read: 19 MiB.
 const MAX_SOFT_EDGE: u32 = 512;
 /// Format of the cubes: filterable in WebGPU without a feature.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -67,18 +66,17 @@ pub struct Peak {
     pub direction: Vec3,
     /// Irradiance on a surface that faces the peak, above that of its surroundings.
     pub irradiance: Vec3,
-    /// Half its angular diameter, rad.
+    /// Half the peak's angular diameter, rad.
     pub angular_radius_rad: f32,
     /// The middle of the cap that was cut out; unit length.
     pub cap_direction: Vec3,
     /// Half the angle of that cap, rad.
     pub cap_rad: f32,
-    /// Radiance around the cap. In the cap, everything above this belongs to the peak, channel by
-    /// channel.
+    /// Radiance around the cap. In the cap, radiance above this belongs to the peak, per channel.
     pub around: Vec3,
 }
 
-/// A panorama, reduced to the maximum size that is used, and its peaks.
+/// A panorama, reduced to the maximum size, and its peaks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanoramaWithPeaks {
     /// Texels around.
@@ -123,8 +121,8 @@ impl From<Vec3> for EnvironmentLight<'_> {
 }
 
 impl Panorama<'_> {
-    /// Finds the peaks that [`EnvironmentMap`] converts to lights, in the panorama at the size that
-    /// it uses. For renderers that read the panorama themselves and need the same lights.
+    /// Finds the peaks that [`EnvironmentMap`] converts to lights, in the panorama at the size of
+    /// the map. For renderers that sample the panorama themselves and need the same lights.
     ///
     /// # Errors
     /// As [`EnvironmentMap::new`].
@@ -225,8 +223,8 @@ impl EnvironmentMap {
     }
 
     /// The lights of the peaks, for an [`EnvironmentLight`] with this radiance and rotation, with
-    /// cone shadows. [`crate::Gi::bind_lights`] adds them by itself; pass them to it to give them
-    /// shadow maps.
+    /// cone shadows. [`crate::Gi::bind_lights`] adds them unless you pass such lights yourself, as
+    /// with shadow maps.
     pub fn lights(&self, radiance: Vec3, rotation_rad: f32) -> Vec<Light> {
         let turn = Mat3::from_rotation_y(rotation_rad);
         self.peaks

@@ -1,19 +1,19 @@
 //! Compact bright parts of a panorama, cut out to become lights.
 //!
-//! A peak is the light above its surroundings within a cap of directions. The cap starts as wide as
-//! half the wider diffuse cones of the finest preset, around the brightest texel of the brightest
-//! region, and shrinks until it is four times as wide as the circle that contains half of the
+//! A peak is the light above its surroundings within a cap of directions. The cap starts around the
+//! brightest texel of the brightest region, half as wide as the wider diffuse cones of the finest
+//! preset, and shrinks until it is four times as wide as the circle that contains half of the
 //! peak's light. This strips a sun of its glow, which stays in the panorama. The surroundings are
 //! the mean of the ring around the cap.
 //!
 //! A peak is cut out if it is
 //!
 //! - *compact*: its radius (that of a uniform disc with as much light within the same circle) is at
-//!   most a quarter of those cones' half angle. Left in, its shadows would be as soft as that cone;
-//!   as a light it has sharp shadows, close to those of a source of its size; and
-//! - *strong*: it lights a surface that faces it more than a cone of average radiance does, pi / 12
-//!   times the mean of the rest. A single cone that meets it is then more than twice as bright as
-//!   its neighbours.
+//!   most a quarter of those cones' half angle. In the map, its shadows would be as soft as the
+//!   cone; as a light it has nearly the shadows of a source of its size; and
+//! - *strong*: its irradiance on a surface that faces it exceeds that from a cone of average
+//!   radiance, pi / 12 times the mean of the rest. A single cone that hits it would then be more
+//!   than twice as bright as its neighbours.
 //!
 //! Both criteria follow from the cones; nothing is tuned to a scene. No light is lost: every
 //! channel of each texel is the sum of the rest and the part cut out, and a light's irradiance is
@@ -39,10 +39,10 @@ const CONE_RAD: f64 = 0.456;
 const CAP_RAD: f64 = 0.5 * CONE_RAD;
 /// Maximum radius of a compact peak, rad.
 const COMPACT_RAD: f64 = 0.25 * CONE_RAD;
-/// Maximum number of steps by which a cap shrinks; each shrinks it by more than a tenth, or it has
-/// converged.
+/// Maximum number of steps by which a cap shrinks; a step of less than a tenth has converged.
 const MAX_STEPS: usize = 24;
-/// Regions from top to bottom; twice as many around. Each is about as wide as the cap's radius.
+/// Number of regions from top to bottom; twice that number around. Each is about as wide as the
+/// cap's radius.
 const REGION_ROWS: u32 = 16;
 
 /// Luminance of linear RGB: ITU-R BT.709-6, section 3.2.
@@ -86,7 +86,7 @@ pub(super) fn split(panorama: Panorama<'_>) -> Split {
     Split { rest: (!peaks.is_empty()).then_some(rest), peaks }
 }
 
-/// The irradiance of one cone that sees a radiance.
+/// The irradiance from one cone with a radiance.
 fn threshold(mean: f64) -> f64 {
     std::f64::consts::PI / MOST_CONES * mean
 }
@@ -109,7 +109,7 @@ struct Regions {
     columns: u32,
     /// Mean luminance of each region.
     luminance: Vec<f64>,
-    /// Whether each region was tried, without finding a peak.
+    /// `true` for each region that was tried without finding a peak.
     is_done: Vec<bool>,
 }
 
@@ -223,7 +223,7 @@ fn find(panorama: Panorama<'_>, center: DVec3) -> Option<Found> {
     let mut found =
         Found { center, cap_rad: CAP_RAD, around: Vec3::ZERO, irradiance: 0.0, radius_rad: 0.0 };
     for _ in 0..MAX_STEPS {
-        // The ring is as wide as half the cap, and at least two texels.
+        // The ring is half as wide as the cap's radius, but at least two texels.
         let ring_rad = found.cap_rad + (0.5 * found.cap_rad).max(2.0 * texel_rad);
         let (edge, mut ring, mut ring_sr) = (found.cap_rad.cos(), DVec3::ZERO, 0.0);
         let mut inside = Vec::new();
@@ -253,10 +253,9 @@ fn find(panorama: Panorama<'_>, center: DVec3) -> Option<Found> {
         found.center = center;
         found.irradiance = weighted.iter().map(|(_, flux, _)| flux).sum();
         found.radius_rad = radius(found.center, &weighted, found.irradiance);
-        // Four times the circle with half of the light, 2.8 times the disc.
+        // Four times the radius of the circle with half of the light, 2.8 times that of the disc.
         let next = (4.0 * found.radius_rad / 2.0_f64.sqrt()).max(2.5 * texel_rad).min(CAP_RAD);
-        // A cap around another center may contain more of the light: the end of a tube is not a
-        // lamp.
+        // A cap around another center may contain more light, as at the end of a bright tube.
         let has_settled = next > 0.9 * found.cap_rad && moved_rad < 0.1 * found.cap_rad;
         if has_settled {
             return Some(found);
@@ -266,8 +265,8 @@ fn find(panorama: Panorama<'_>, center: DVec3) -> Option<Found> {
     None
 }
 
-/// The radius of the uniform disc that has half of its light in the same circle: the circle's
-/// radius times the square root of two. At least the disc of one texel.
+/// The radius of the uniform disc that has half of its light in the same circle, that is, the
+/// circle's radius times the square root of two; at least that of one texel.
 fn radius(center: DVec3, weighted: &[(DVec3, f64, f64)], irradiance: f64) -> f64 {
     let mut by_angle: Vec<(f64, f64, f64)> = weighted
         .iter()
@@ -301,7 +300,7 @@ fn within(panorama: Panorama<'_>, center: DVec3, angle_rad: f64) -> Vec<Texel> {
     let polar = center.y.clamp(-1.0, 1.0).acos();
     let first = ((polar - angle_rad) * per_rad).floor().max(0.0) as u32;
     let last = (((polar + angle_rad) * per_rad).ceil() as u32).min(height);
-    // Around a pole, all columns; elsewhere those between the tangents of the cap.
+    // All columns around a pole; elsewhere the columns between the cap's tangents.
     let reach = if polar - angle_rad <= 0.0 || polar + angle_rad >= std::f64::consts::PI {
         std::f64::consts::PI
     } else {

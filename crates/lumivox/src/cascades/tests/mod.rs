@@ -1,4 +1,4 @@
-//! Cascades against dense volumes of the same boxes, and against closed forms.
+//! Compares cascades with dense volumes of the same boxes, and with closed forms.
 
 mod walked;
 
@@ -20,7 +20,7 @@ use crate::{
     TraceSettings, VolumeKind,
 };
 
-/// The corner of the room: the seam of the store, the multiples of 64 voxels, goes through it.
+/// The corner of the room. The storage's seam, at multiples of 64 voxels, goes through the room.
 const ROOM: Vec3 = Vec3::new(1.0, 0.9, 0.8);
 const VOXEL_M: f32 = 1.0 / 48.0;
 
@@ -68,8 +68,8 @@ impl Lit {
         status
     }
 
-    /// Records frames until the boxes are around a place and all their voxels are known; returns
-    /// the number of frames.
+    /// Records frames until the boxes are around a place and their voxels are ready; returns the
+    /// number of frames.
     fn follow(&mut self, geometry: &Geometry, to: Vec3) -> u32 {
         for frame in 1..20 {
             assert!(self.gi.center_on(to).is_ok());
@@ -182,9 +182,9 @@ fn cascade_of(own: &crate::Cascades, stored: UVec3) -> usize {
     (block.x + own.blocks.x * (block.y + own.blocks.y * block.z)) as usize
 }
 
-/// A room inside the finest cascade is lit as in a dense volume of the same voxels. Faces draw the
-/// directions of their cones by where they are stored, which scatters the mean by 0.3 %: that of
-/// dense volumes moved by whole voxels does as much.
+/// A room inside the finest cascade is lit as in a dense volume of the same voxels. The directions
+/// of cones depend on the faces' place in storage, which scatters the mean by 0.3 %, as much as in
+/// dense volumes moved by whole voxels.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn light_within_a_cascade_matches_a_dense_volume() {
@@ -207,8 +207,8 @@ fn light_within_a_cascade_matches_a_dense_volume() {
     assert!(glow.abs() < 0.005, "{glow}");
 }
 
-/// A cascade stores on both sides of its seam what a dense volume has there: light that was not
-/// reflected, so that nothing of it is drawn by a face, is the same within rounding.
+/// On both sides of its seam, a cascade stores the content of a dense volume: unreflected light,
+/// which does not depend on faces' random directions, is equal within rounding.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn the_storage_seam_does_not_change_light() {
@@ -238,7 +238,7 @@ fn light_is_continuous_across_cascade_borders() {
     let points = scattered(96);
     let center = ROOM + Vec3::new(0.1, 0.35, 0.2);
     let grid = cascades(center, 3, 32);
-    // The truth has the finest voxels all over.
+    // The truth has the finest voxels everywhere.
     let whole = cascades(ROOM + Vec3::new(0.5, 0.35, 0.45), 1, 96);
     let [a, b] = [grid, dense(&whole, 0)].map(|grid| {
         Lit::new(room(), grid, &[lamp(Shadow::Cone)], Vec3::ONE, 4).gather(&points, 16)
@@ -252,7 +252,7 @@ fn light_is_continuous_across_cascade_borders() {
     assert!(bias.abs() < 0.03, "{bias}");
 }
 
-/// While cascades move over a room nothing of it changes: its voxels stay where they are stored.
+/// While cascades move over a room its light does not change: its voxels stay in place in storage.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn moving_cascades_keep_the_light_inside_them() {
@@ -296,13 +296,13 @@ fn a_kilometre_of_ground_reflects_the_sky() {
         let place = Vec3::new(3.0, height, 5.0);
         let down = lit.gather(&[(place, Vec3::NEG_Y)], 64)[0];
         println!("down from {height} m: {} of 0.5 pi", down / PI / 0.5);
-        // Ground ends half a kilometre away, below the horizon by up to 4 degrees.
+        // The ground ends half a kilometre away, up to 4 degrees below the horizon.
         assert!((down / PI / 0.5 - 1.0).abs() < 0.04, "down from {height} m: {}", down / PI / 0.5);
     }
 }
 
-/// Emitters near each other follow one another, wherever the world's origin is and the boxes are: a
-/// draw among many is good only if neighbours in the list are neighbours in the world.
+/// Neighbours in the list of emitters are neighbours in the world, as sampling requires, wherever
+/// the world's origin and the boxes are.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn emitters_are_ordered_along_a_spatial_curve() {
@@ -329,7 +329,7 @@ fn emitters_are_ordered_along_a_spatial_curve() {
     assert!(found.iter().all(|length| *length < 1.5 * expected), "{found:?} and {expected}");
 }
 
-/// Values out of range are refused, with what would do.
+/// Values out of range are errors that name allowed values.
 #[test]
 fn impossible_sizes_are_refused() {
     let refused = |options: &CascadeOptions, center: Vec3, expected: &str| {
@@ -365,7 +365,7 @@ fn impossible_sizes_are_refused() {
     assert!(error.to_string().contains("a grid made by Grid::cascades"), "{error}");
 }
 
-/// Memory is known beforehand, and walls at round coordinates are in the middle of voxels.
+/// Memory is computed in advance, and walls at round coordinates are in the middle of voxels.
 #[test]
 fn cascades_are_stored_compactly_with_walls_in_voxel_centres() {
     let options = CascadeOptions::default();
@@ -382,7 +382,7 @@ fn cascades_are_stored_compactly_with_walls_in_voxel_centres() {
             assert!((0.25..=0.75).contains(&within), "{within} in cascade {cascade} of {count}");
         }
     }
-    // However it is moved, what is around the middle is inside of all.
+    // After any move, the centers of all boxes are near the given place.
     let mut grid = Grid::cascades(Vec3::ZERO, &options, Vec3::ZERO).expect("possible");
     for step in 0..50 {
         let center = Vec3::new(7.3, -1.1, 3.7) * step as f32;
@@ -395,8 +395,8 @@ fn cascades_are_stored_compactly_with_walls_in_voxel_centres() {
     }
 }
 
-/// Cascades that follow a camera without waiting arrive at what a new clipmap there has, keep the
-/// light of what stays, and show the same light on the way.
+/// Cascades that follow a camera without waiting end with the voxels of a new clipmap, keep the
+/// light of voxels that stay, and show the same light meanwhile.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn moved_cascades_converge_to_a_fresh_clipmap() {
@@ -405,7 +405,7 @@ fn moved_cascades_converge_to_a_fresh_clipmap() {
     let center = ROOM + Vec3::new(0.5, 0.35, 0.45);
     let to = center + STRIDE as f32 * VOXEL_M * Vec3::X;
     let geometry = scene().build(&device);
-    // Its finest box does not hold the room.
+    // The finest box is smaller than the room.
     let mut lit = Lit::of(&geometry, cascades(center, 3, 32), &[], Vec3::ONE, 30);
     let settings = TraceSettings::default();
     let points = scattered(48);
@@ -441,8 +441,8 @@ fn moved_cascades_converge_to_a_fresh_clipmap() {
     assert!(against(&on_arrival, &before).abs() < 0.01);
 }
 
-/// When a box has moved by its whole edge, other voxels are stored in the places of the former
-/// ones. They do not inherit their light: a closed room without any light stays dark.
+/// After a box has moved by its whole edge, new voxels are stored in the places of old ones. They
+/// do not inherit the old light: a closed room without light stays dark.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn voxels_do_not_inherit_light_from_reused_slots() {
@@ -460,8 +460,8 @@ fn voxels_do_not_inherit_light_from_reused_slots() {
     lit.follow(&geometry, center);
     assert!(lit.gather(&[(center, Vec3::Y)], 4)[0] > 1.0, "the bright room is dark");
     lit.follow(&geometry, center + apart);
-    // The rest leaks in from the bright room, which still glows outside of the box. With the former
-    // light it is 0.7.
+    // The remaining light leaks in from the bright room, which is still outside of the box. With
+    // the old light it is 0.7.
     let left = lit.gather(&[(center + apart, Vec3::Y)], 4)[0];
     assert!(left < 0.005, "{left}");
 }

@@ -1,8 +1,8 @@
-//! The surface that is walked over again when boxes move, and when static draws come and go.
+//! Tests which surface is walked again when boxes move, or static draws are added or removed.
 
 use super::*;
 
-/// The voxels are those of a new clipmap at the place, to the bit.
+/// Asserts that the voxels have the bits of a new clipmap at the place.
 #[track_caller]
 fn assert_fresh(lit: &Lit, geometry: &Geometry, place: Vec3) {
     let fresh = Lit::of(geometry, cascades(place, 3, 32), &[], Vec3::ONE, 0).faces();
@@ -14,8 +14,8 @@ fn assert_fresh(lit: &Lit, geometry: &Geometry, place: Vec3) {
     }
 }
 
-/// Only the surface that has entered moved boxes is walked over. Whatever the move, the voxels are
-/// those of a new clipmap there.
+/// Only surface that has entered moved boxes is walked. After any move, the voxels equal those of a
+/// new clipmap.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn only_surface_entering_the_boxes_is_voxelized() {
@@ -30,7 +30,7 @@ fn only_surface_entering_the_boxes_is_voxelized() {
     let mut lit = Lit::new(floor(), cascades(start, 3, 32), &[], Vec3::ONE, 1);
     let geometry = floor().build(&device);
     pollster::block_on(lit.gi.voxelize(&geometry, Timing::Off)).expect("there are voxels");
-    // The first move walks over everything, since static surface is not kept before.
+    // The first move walks everything, since no static surface is kept before.
     lit.follow(&geometry, start + stride * Vec3::X);
     let all = lit.gi.static_items();
     let offsets = [
@@ -69,8 +69,8 @@ fn without(geometry: &Geometry, gone: &[usize]) -> Geometry {
     geometry
 }
 
-/// If static draws come and go while boxes move, only what is near them is walked, and the voxels
-/// are those of a new clipmap.
+/// If static draws are added or removed while boxes move, only their surroundings are walked, and
+/// the voxels equal those of a new clipmap.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn only_surface_near_changed_draws_is_voxelized() {
@@ -92,14 +92,14 @@ fn only_surface_near_changed_draws_is_voxelized() {
         assert!(items * less <= all, "{items} of {all} without {gone:?}");
         assert_fresh(&lit, &now, place);
     }
-    // Another material is another surface wherever it is.
+    // With another material everything is walked.
     let mut painted = geometry.clone();
     painted.materials[last].reflectance.x = 0.1;
     lit.follow(&painted, start + 2.0 * stride * Vec3::X);
     assert_fresh(&lit, &painted, start + 2.0 * stride * Vec3::X);
 }
 
-/// If draws come and go in every frame, the voxels follow nevertheless, a few frames late.
+/// Even if draws are added or removed in every frame, the voxels are updated, a few frames late.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn voxels_follow_draws_that_change_every_frame() {
@@ -118,7 +118,7 @@ fn voxels_follow_draws_that_change_every_frame() {
 }
 
 /// If a static draw is removed and added again before the voxels without it are ready, the earlier
-/// voxels are the right ones.
+/// voxels are kept.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn voxels_are_kept_if_a_draw_returns_at_once() {

@@ -1,4 +1,4 @@
-//! Cubes and peaks against sums over the panorama.
+//! Compares cubes and peaks with sums over the panorama.
 
 mod on_gpu;
 
@@ -42,7 +42,7 @@ fn gradient(direction: DVec3) -> Vec3 {
     Vec3::new(2.0 + direction.x as f32, 1.5 + direction.y as f32, 1.2 - direction.z as f32)
 }
 
-/// A disc around a direction, of a radius and an irradiance, over something else.
+/// A disc around a direction, of a radius and an irradiance, added to `under`.
 fn with_disc(to: Vec3, radius: f64, lux: f32, under: fn(DVec3) -> Vec3) -> impl Fn(DVec3) -> Vec3 {
     let radiance = lux / (PI * radius.sin().powi(2)) as f32;
     let to = to.normalize().as_dvec3();
@@ -88,12 +88,12 @@ fn every_mip_keeps_the_panoramas_total_light() {
         }
         // 16 samples a texel, bilinear.
         close(sum, total, 2e-3, "light of a mip");
-        // And it comes from where it came from; coarse texels are seen at their middles.
+        // The light keeps its mean direction; coarse texels count at their middles.
         let first = integral(panorama, |_| 1.0).x;
         let expected = moment_of(panorama);
         let share = 0.01 + 2.0 / (edge * edge) as f32;
         assert!((moment - expected).length() < first as f32 * share, "{moment} {expected} {edge}");
-        // From mip to mip nothing is lost at all.
+        // Mips have equal light.
         if let Some(last) = last {
             close(sum, last, 1e-5, "light of two mips");
         }
@@ -146,13 +146,12 @@ fn extracting_a_sun_keeps_the_total_light() {
             for normal in [to_sun, (to_sun + Vec3::new(0.2, -0.1, 0.3)).normalize()] {
                 let parts = irradiance(rest.panorama(), normal)
                     + peak.irradiance * peak.direction.dot(normal);
-                // Normals that do not face the light's own direction differ by the colours'
-                // centres.
+                // For other normals, the colours' different centres cause errors.
                 close(parts, irradiance(panorama, normal), 1e-4, "irradiance");
             }
             let facing = irradiance(rest.panorama(), peak.direction) + peak.irradiance;
             close(facing, irradiance(panorama, peak.direction), 1e-6, "irradiance");
-            // The rest is as dark as its surroundings.
+            // The rest of the sun is as dark as its surroundings.
             let most = rest.rgb.iter().flatten().fold(0.0_f32, |a, b| a.max(*b));
             assert!(most < 3.5, "{most}");
         }
@@ -183,13 +182,13 @@ fn only_compact_peaks_are_extracted() {
     assert_eq!(cut(&image(256, star)), 0, "a star");
 }
 
-/// A peak with as much light as a cone of the rest's radiance, pi / 12 of it, is cut out; a weaker
-/// one stays.
+/// A peak with more light than a cone of the rest's radiance, pi / 12 times that, is cut out; a
+/// weaker one stays.
 #[test]
 fn peaks_are_extracted_above_a_share_of_the_rest() {
     let disc = |lux| image(256, with_disc(Vec3::new(0.4, 0.5, 0.6), 0.03, lux, |_| Vec3::ONE));
     let light = |image: &Image| integral(image.panorama(), |_| 1.0).x - 4.0 * PI;
-    // Texels make the disc a little larger or smaller than it is.
+    // Texels change the disc's size slightly.
     let per_lux = light(&disc(1.0));
     for (share, expected) in [(1.01, 1), (0.99, 0)] {
         let image = disc((share * PI / 12.0 / per_lux) as f32);
@@ -199,7 +198,7 @@ fn peaks_are_extracted_above_a_share_of_the_rest() {
 
 #[test]
 fn only_the_strongest_peaks_are_extracted() {
-    // Six lamps over a dim room, each brighter than the last.
+    // Six lamps in a dim room, each brighter than the previous one.
     let lamps: Vec<Vec3> = (0..6)
         .map(|i| {
             let (z, x) = (1.0 * i as f32).sin_cos();
@@ -224,7 +223,7 @@ fn only_the_strongest_peaks_are_extracted() {
     assert_eq!(chosen, [5, 4, 3, 2]);
 }
 
-/// Equal panoramas give the same bits, and a turned one the same lights turned.
+/// Equal panoramas give the same bits; a turned panorama gives turned lights.
 #[test]
 fn extracted_peaks_are_deterministic_and_turn_with_the_panorama() {
     let scene = with_disc(Vec3::new(0.3, 0.4, -0.5), 0.05, 40.0, gradient);

@@ -1,5 +1,4 @@
-//! Maps on the GPU: what shaders find in them, and what cones sum up, against the integral over the
-//! panorama.
+//! Compares shaders' samples of maps, and irradiance from cones, with integrals over the panorama.
 
 use half::f16;
 
@@ -13,7 +12,7 @@ use crate::voxels::FaceRecord;
 use crate::{Gi, GiConfig, Grid, Preset, TraceSettings};
 use glam::Vec4;
 
-/// A tile with a normal, on its own, whose faces are lit by a map: their mean radiance times pi.
+/// A single tile with a normal, whose faces are lit by a map.
 struct Tile {
     device: Pipelines,
     queue: wgpu::Queue,
@@ -84,7 +83,7 @@ impl Tile {
         let radiance: Vec<[f32; 4]> = read(&self.device, &self.queue, buffer, count);
         let mut sum = (Vec3::ZERO, 0.0);
         for (face, radiance) in faces.iter().zip(radiance) {
-            // Reflectance is kept just below one.
+            // Reflectance is clamped just below one.
             let reflectance = Vec3::from(face.reflectance);
             let area = Vec3::from(face.vector_area).length();
             let rgb = Vec3::new(radiance[0], radiance[1], radiance[2]);
@@ -111,7 +110,7 @@ fn answer(question: vec4f, index: u32) -> vec3f {
     return environment_radiance(normalize(question.xyz), question.w);
 }";
 
-/// A sample is as wide wherever it falls on the cube: it blurs a step from black to white alike in
+/// Samples are equally wide everywhere on the cube: they blur a step from black to white equally in
 /// the middle of a face and at an edge, where a texel has 0.35 of the solid angle.
 #[test]
 fn map_samples_blur_equally_across_the_cube() {
@@ -136,7 +135,7 @@ fn map_samples_blur_equally_across_the_cube() {
     }
 }
 
-/// A cube texture of half floats, as engines have them.
+/// A cube texture of half floats, like an engine's.
 fn cube_texture(device: &wgpu::Device, queue: &wgpu::Queue, cube: &Cube) -> wgpu::TextureView {
     let size = wgpu::Extent3d { width: cube.edge, height: cube.edge, depth_or_array_layers: 6 };
     let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -163,8 +162,8 @@ fn cube_texture(device: &wgpu::Device, queue: &wgpu::Queue, cube: &Cube) -> wgpu
     })
 }
 
-/// A cube texture gives the light of the panorama that it shows, at every width, with its factor,
-/// turned, and with light from everywhere added. Of a finer and of a coarser one.
+/// A cube texture, finer or coarser than the map, gives the light of its panorama at every width,
+/// also with a factor, a rotation, and added constant light.
 #[test]
 fn a_cube_texture_gives_the_light_of_its_panorama() {
     let tile = Tile::new(Vec3::Y);
@@ -202,7 +201,7 @@ fn a_cube_texture_gives_the_light_of_its_panorama() {
             for ((found, expected), question) in found.iter().zip(&expected).zip(&questions) {
                 let expected = *expected * settings.factor + settings.added;
                 let error = (*found - expected).abs().max_element() / expected.max_element();
-                // Coarse texels of a turned map lie elsewhere.
+                // A turned map has its coarse texels in other places.
                 assert!(error < 0.15, "{edge} {question}: {found}, not {expected}");
                 squares += error * error;
             }
@@ -232,8 +231,8 @@ fn answer(question: vec4f, index: u32) -> vec3f {
     return gather(vec3f(0.0), question.xyz, vec3f(0.0, 1.0, 0.0), 0u, 12u, start, index, settings).irradiance;
 }";
 
-/// Under a bent normal the part of the hemisphere that lies below the surface is folded up, as in a
-/// mirror: of a map of the radiance 1 + y, a direction d then finds 1 + |d.y|.
+/// With a normal map, directions below the surface are mirrored up: in a map of radiance 1 + y, a
+/// direction d then finds 1 + |d.y|.
 #[test]
 fn directions_below_the_surface_are_mirrored_up() {
     let tile = Tile::new(Vec3::Y);
@@ -242,7 +241,7 @@ fn directions_below_the_surface_are_mirrored_up() {
     for normal in [Vec3::Y, Vec3::new(0.8, 0.6, 0.0), Vec3::new(0.1, 0.2, -0.97).normalize()] {
         let found = tile.ask(&map, GATHER_WGSL, &vec![normal.extend(0.0); 2000]);
         let mean = found.iter().map(|irradiance| irradiance.x).sum::<f32>() / 2000.0;
-        // Malley's method: even on the disc is cosine on the hemisphere.
+        // Malley's method: uniform on the disc is cosine-weighted on the hemisphere.
         let (u, v) = normal.any_orthonormal_pair();
         let folded = (0..40_000).map(|i| {
             let (radius, turn) = (((i / 200) as f32 + 0.5) / 200.0, (i % 200) as f32 / 200.0);
@@ -257,8 +256,8 @@ fn directions_below_the_surface_are_mirrored_up() {
     }
 }
 
-/// The cones of a hemisphere sum up to the irradiance: the mean over the jitter of some 4000 faces
-/// against the sum over the panorama, for smooth and for harsh maps.
+/// The cones of a hemisphere add up to the irradiance: compares the mean over the jitter of about
+/// 4000 faces with the sum over the panorama, for smooth and for harsh maps.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn cones_sum_up_to_the_irradiance() {
@@ -267,8 +266,8 @@ fn cones_sum_up_to_the_irradiance() {
     let below = |d: DVec3| if d.y < 0.0 { Vec3::splat(5.0) } else { Vec3::splat(1.0) };
     let sun = with_disc(Vec3::new(0.4, 0.8, 0.3), 0.04, 12.0, gradient);
     let lamp = with_disc(Vec3::new(0.3, 0.6, -0.5), 0.35, 12.0, gradient);
-    // Tolerances are what was found on lavapipe, and some: 0.9, 1.9, 1, 0.5 and 4.5 %. A cone's own
-    // width blurs the lamp against the cosine; the finest preset is within 1.5 % of it.
+    // Tolerances are a little above lavapipe's errors: 0.9, 1.9, 1, 0.5 and 4.5 %. A cone's width
+    // blurs the lamp against the cosine; the finest preset errs by less than 1.5 %.
     let maps = [
         ("gradient", image(128, gradient), 0.01),
         ("half", image(128, half), 0.025),
@@ -288,7 +287,7 @@ fn cones_sum_up_to_the_irradiance() {
     for normal in normals {
         let mut tile = Tile::new(normal);
         for (name, image, map, tolerance) in &maps {
-            // The map turns one way, so the normal turns the other way in it.
+            // In the map's frame the normal turns the other way.
             let turned = Mat3::from_rotation_y(-rotation_rad) * normal;
             let expected = irradiance(image.panorama(), turned);
             for (preset, diffuse_cones) in presets {
@@ -310,7 +309,7 @@ fn impossible_panoramas_are_refused() {
             EnvironmentMap::new(&tile.device, &tile.queue, panorama).expect_err("too few texels");
         assert!(error.to_string().contains("3 texels for"), "{error}");
     }
-    // The smallest of all is a constant.
+    // The smallest panorama is a constant.
     let panorama = Panorama { width: 1, height: 1, rgb: &[[3.0; 3]] };
     let map = EnvironmentMap::new(&tile.device, &tile.queue, panorama).expect("a map");
     assert!(map.peaks().is_empty());
