@@ -15,8 +15,8 @@ const STEPS: usize = 16;
 /// Light that a dielectric surface reflects specularly, for faces of voxels. This light does not
 /// enter the surface.
 ///
-/// Faces send the same light in all directions, so they store how much a surface reflects but not
-/// where it goes. For light that arrives at the cosine c the share is `mean + grazing ((1 - c)^4 -
+/// Faces send the same light in all directions, so they store the reflected share but not its
+/// direction. For light that arrives at the cosine c the share is `mean + grazing ((1 - c)^4 -
 /// 1/15)`, the least-squares fit of that form over light from all around. Black lacquer of
 /// roughness 0.5 reflects 5 % in the mean, and 9 % of a low sun's light at c = 1/3. Without it,
 /// dark and strongly coloured rooms lose as much of their bounced light.

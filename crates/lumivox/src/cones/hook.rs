@@ -18,7 +18,7 @@ pub trait ConeModel: Any + Debug + Send + Sync {
     /// The name; models with the same name must have the same module.
     fn name(&self) -> &'static str;
 
-    /// The WGSL source of `package::cones::model`, with all functions of Lumivox's own
+    /// The WGSL source of `package::cones::model`, with all functions of Lumivox's own model
     /// (`cones/model.wgsl`). It may import Lumivox's modules, including `package::cones::start` and
     /// `package::cones::hemisphere`.
     fn module(&self) -> &'static str;

@@ -107,7 +107,8 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
             level = finest_level(next, level, 0.5);
             let wanted_level = max(
                 min(u32(log2(wanted) + cone.level_offset), levels - 1u),
-                // Before the end, change only in empty space, each cone at another distance.
+                // Before the cascade's end, change only in empty space, each cone at another
+                // distance.
                 finest_level(next, level, CASCADE_BORDER * (1.0 + cone.level_offset)),
             );
             cell = exp2(f32(level));

@@ -2,8 +2,8 @@
 //
 // A ray walks all voxels along it (Amanatides and Woo 1987, "A fast voxel traversal algorithm for
 // ray tracing"; empty blocks in one step) and ends where it crosses a face's plane inside the area
-// that the face covers. A plane has no holes from voxel to voxel, so nothing leaks through a wall,
-// whatever its angle and thickness, and nothing behind a hit counts.
+// that the face covers. A plane has no gaps between voxels, so no light leaks through a wall of any
+// angle and thickness, and surfaces behind a hit do not count.
 //
 // A surface is visible from its front, in the light of the visible side (side.wgsl). A single-sided
 // surface also blocks from behind, and is black there, unless light passes through it.
@@ -25,13 +25,13 @@ import package::voxels::morton::morton_encode;
 // rounding cannot keep it in the first one. It is less than BEYOND.
 const NUDGE = 0.001;
 
-// The minimum of that distance as a share of the travelled distance: a few rounding errors.
+// The minimum of NUDGE's distance as a share of the travelled distance: a few rounding errors.
 const LEAST_NUDGE = 1e-6;
 
 // Step limit; only a ray that creeps along a border reaches it.
 const MOST_STEPS = 8192u;
 
-// How far past the end of a voxel a ray may hit its faces, in edges.
+// Distance past the end of a voxel within which a ray may hit its faces, in edges.
 const BEYOND = 0.05;
 
 // Distance from its start within which a ray ignores surfaces from behind, in voxels: planes lie

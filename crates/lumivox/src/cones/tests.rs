@@ -150,7 +150,7 @@ impl VolumeTwin {
         facing.map(|lobe| tilted[lobe / 2]).reduce(|a, b| a || b)
     }
 
-    /// `trace_cone`, loop for loop.
+    /// `trace_cone`, with the same loops.
     fn trace(&self, cone: &ConeIn, settings: &TraceSettings, shown_share: ShownShare) -> Vec4 {
         let (origin, direction) = (Vec3::from(cone.origin), Vec3::from(cone.direction));
         let extent = self.grid.dimensions.as_vec3();

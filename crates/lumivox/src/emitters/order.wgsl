@@ -161,8 +161,8 @@ fn is_inside(index: u32, emitter: Emitter, normal: vec3f) -> bool {
     return least < 1.0;
 }
 
-// The emitter; only its outer side if it is double-sided and part of a closed body thinner than a
-// voxel, whose inside is invisible, but not for rays through voxels.
+// The emitter, reduced to its outer side if it is double-sided and part of a closed body thinner
+// than a voxel. Rays through voxels would otherwise see the inside.
 fn without_inside(index: u32, emitter: Emitter) -> Emitter {
     let outward = cross(emitter.along_ab, emitter.along_ac);
     if emitter.is_double_sided == 0u || emitter.power <= 0.0 || all(outward == vec3f(0.0)) {

@@ -37,7 +37,7 @@ pub struct EnvironmentCube {
 /// How a cube texture is converted to light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubeUse {
-    /// From a direction in the world to one in the cube texture: a rotation or a mirror.
+    /// Transform of directions from the world to the cube texture: a rotation or a mirror.
     pub cube_from_world: Mat3,
     /// Factor for the texture's values. Default: 1.
     pub factor: f32,

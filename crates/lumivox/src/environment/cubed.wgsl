@@ -6,7 +6,7 @@ import package::constants::LARGEST_HALF;
 import package::environment::cube_place;
 
 struct CubeLight {
-    // From the world to the cube texture; the fourth component of a column is not read.
+    // Transform from the world to the cube texture; fourth components of columns are not read.
     cube_from_world: mat3x3f,
     added: vec3f,
     factor: f32,

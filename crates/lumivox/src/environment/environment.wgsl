@@ -21,7 +21,7 @@ import package::light::lights::{light_globals, Light};
 // (integral of the squared tent).
 const TEXELS_PER_SAMPLE: f32 = 1.5;
 
-// From the world to the map: a rotation about y.
+// Rotates a direction in the world to the map, about y.
 fn map_from_world(direction: vec3f) -> vec3f {
     let turn = light_globals.environment_turn;
     return vec3f(

@@ -33,7 +33,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Progress of voxels and light towards their inputs, from the results that have been read back.
+/// Whether voxels and light match their inputs, by the results that have been read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct FrameStatus {
@@ -78,8 +78,8 @@ impl Gi {
     /// frame, and converges to the result of [`Self::light`] with very many bounces, about 32
     /// gathers after the last change.
     ///
-    /// The places of an octree's bricks, which decide the last bits of what cones see, depend on
-    /// the lists that it has shown. The same calls lead to the same places as long as no buffer
+    /// The places of an octree's bricks, which affect the last bits of traced light, depend on the
+    /// lists that it has shown. The same calls lead to the same places as long as no buffer
     /// overflows; which lists a late octree skips depends on the speed of the GPU.
     ///
     /// Transforms are set when this is called, vertices are read when the commands run: submit the
@@ -173,13 +173,13 @@ impl Gi {
     }
 
     /// Grows an octree's buffers that overflowed, as far as read-backs have arrived. Returns `true`
-    /// if they have grown, and the list must be shown again before anything else.
+    /// if they have grown; the list must be shown again first.
     pub(super) fn grow_octree(&mut self, recorder: &mut Recorder<'_>) -> Result<bool, GiError> {
         let has_moving = self.scene.has_moving();
         self.volume.octree_mut().map_or(Ok(false), |octree| octree.grow(recorder, has_moving))
     }
 
-    /// Progress since the last call of [`Self::frame`]. Records nothing and does not wait.
+    /// The status after the last call of [`Self::frame`]. Records nothing and does not wait.
     pub fn status(&self) -> FrameStatus {
         let FrameVoxels { is_late, is_pending, voxels, faces } = self.voxel_status();
         let is_refused = self.is_refused;

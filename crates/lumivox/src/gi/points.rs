@@ -38,8 +38,8 @@ impl Gi {
     /// ```
     ///
     /// # Errors
-    /// [`GiError::Geometry`] if the numbers of normals and positions differ, or if one of them is
-    /// not finite or a normal is zero; [`GiError::Setting`] if a setting is out of range;
+    /// [`GiError::Geometry`] if the numbers of normals and positions differ, or if one is not
+    /// finite or a normal is zero; [`GiError::Setting`] if a setting is out of range;
     /// [`GiError::Device`] if the device is lost.
     pub async fn gather(
         &self,

@@ -82,7 +82,7 @@ impl Gi {
     ) -> GiView {
         let layout = &self.gbuffer_layout;
         let view = GiView::new(&self.device, layout, gbuffer.into(), size, settings);
-        // Compiled early, with everything else; tracing reports its errors.
+        // Links kernels early, to be compiled with all others; tracing reports errors.
         let _ = self.link_cones(view.resolution(), view.is_temporal());
         view
     }
@@ -193,7 +193,7 @@ impl Gi {
         Ok(())
     }
 
-    /// Makes the volume show only reflected light, or all light again, to later commands.
+    /// Makes the volume show only reflected light, or all light again, in later commands.
     pub(super) fn hide_emission(&self, recorder: &mut Recorder<'_>, hides: bool) {
         self.lighting.hide_emission(recorder, (&self.volume, &self.changes), hides);
     }

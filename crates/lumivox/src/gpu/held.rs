@@ -27,7 +27,7 @@ impl Held {
         self.0.extend(kept.into_iter().map(Handle::One));
     }
 
-    /// Releases everything.
+    /// Releases all resources.
     pub(super) fn clear(&mut self) {
         self.0.clear();
     }

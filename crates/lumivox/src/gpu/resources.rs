@@ -39,7 +39,7 @@ pub struct BindGroup {
     kept: Arc<[Kept]>,
 }
 
-/// A handle that keeps something from being destroyed.
+/// A handle that keeps a resource from being destroyed.
 #[derive(Clone, Debug)]
 pub enum Kept {
     /// A handle of a buffer.

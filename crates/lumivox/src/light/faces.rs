@@ -544,7 +544,7 @@ impl Faces {
         });
     }
 
-    /// Bytes on the GPU, by what they hold.
+    /// Bytes on the GPU, by purpose.
     pub fn memory(&self) -> Vec<(&'static str, u64)> {
         vec![
             ("light: direct radiance of the faces", self.direct.size()),

@@ -21,7 +21,8 @@ struct Light {
     spot_offset: f32,
     // SHADOW_NONE, SHADOW_MAP or SHADOW_CONE.
     shadow: u32,
-    // With SHADOW_MAP: its first layer; a point light has six, in the order +x -x +y -y +z -z.
+    // First layer of the maps, for SHADOW_MAP; a point light has six, in the order +x -x +y -y +z
+    // -z.
     shadow_layer: u32,
 }
 

@@ -144,7 +144,7 @@ impl Lighting {
         globals: &wgpu::BindGroupLayout,
         lights: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
-        // Without the volume: together with the kernels' own buffers, it would exceed the limit of
+        // Only the grid: the volume and the kernels' own buffers together exceed the limit of
         // bindings.
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let grid_group =
@@ -171,7 +171,7 @@ impl Lighting {
         })
     }
 
-    /// Switches to the moved boxes of a clipmap, for everything that is recorded from now on.
+    /// Uses the moved boxes of a clipmap for later commands.
     pub(crate) fn move_to(&mut self, device: &Pipelines, grid: &Grid) {
         let layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let uniform = grid.uniform(device);
@@ -195,7 +195,7 @@ impl Lighting {
         let faces = Faces::new(recorder, &self.kernels, self.settings.buffer(), next, earlier);
         self.kernels.move_light(recorder, &self.grid, &faces);
         if faces.has_replaced() {
-            // Faces that were not in the previous list have gathered nothing.
+            // Faces that were not in the previous list have not gathered yet.
             self.turns.gather_fresh();
         }
         self.faces = Some(faces);
@@ -219,7 +219,7 @@ impl Lighting {
         self.has_emission
     }
 
-    /// Makes the volume show only reflected light, or all light again, to later commands.
+    /// Makes the volume show only reflected light, or all light again, in later commands.
     pub(crate) fn hide_emission(
         &self,
         recorder: &mut Recorder<'_>,

@@ -1,8 +1,8 @@
 // The reflected light of a face, as if it were the same in all directions.
 //
 // A surface mirrors some of the incident light and lets the rest enter; the reflectance is the
-// share of the latter that comes out again. The mirrored share grows towards grazing angles; the
-// voxels store its mean and its growth (gloss.rs), not its direction.
+// share of the entering light that comes out again. The mirrored share grows towards grazing
+// angles; the voxels store its mean and its growth (gloss.rs), not its direction.
 
 import package::voxels::list::{Face, LARGEST_REFLECTANCE};
 

@@ -30,7 +30,7 @@ fn add(face: u32) {
     }
 }
 
-// `axis` is 0 or 1: which of the two axes along the surface.
+// `axis` is 0 or 1, for the two axes along the surface.
 fn share(face: u32, axis: u32) {
     let cells = far_cells();
     for (var i = 0u; i < cells; i++) {

@@ -371,7 +371,7 @@ fn no_sky_shines_in_at_the_edges_of_a_room() {
         let near = |face: &FaceRecord, p: f32| {
             face.position_in_world.iter().filter(|x| (*x - p).abs() < 1.0 / 32.0).count()
         };
-        // At two walls at least.
+        // Counts faces near at least two walls.
         let edges = lit.mean(|face| is_inside(face) && near(face, 0.25) + near(face, 1.25) > 1);
         println!("edges at {}: {edges}", offset.x);
         assert!(edges < 0.03, "offset {}: the edges inside have {edges} of {outside}", offset.x);

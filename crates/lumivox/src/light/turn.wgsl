@@ -28,7 +28,7 @@ struct BounceSettings {
 @group(1) @binding(0) var<uniform> settings: BounceSettings;
 @group(1) @binding(1) var<uniform> counts: ListCounts;
 @group(1) @binding(2) var<storage, read> faces: array<Face>;
-// In rgb; w is 1 once a face has gathered.
+// Gathered irradiance in rgb; w is 1 once a face has gathered.
 @group(1) @binding(3) var<storage, read_write> irradiance: array<vec4f>;
 // HIT_WORDS for each face: the hits of its FACE_RAYS rays, the adjacent faces (find.wgsl), and the
 // irradiance straight from emitters.
@@ -87,7 +87,7 @@ fn turns() -> u32 {
 }
 
 // Whether a face gathers in this turn. By cascade: the finest in each turn, the next in every
-// second, fourth, ...
+// second turn, then in every fourth, ...
 fn is_in_turn(face: u32) -> bool {
     if settings.by_cascade != 0u {
         let cascade = cascade_of(morton_decode(faces[face].cell));

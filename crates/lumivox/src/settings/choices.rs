@@ -6,7 +6,7 @@ use super::{Choice, Value};
 pub trait Choices: Copy + PartialEq + 'static {
     /// The values.
     const VALUES: &'static [Self];
-    /// Their names, in the same order.
+    /// The values' names, in the same order.
     const CHOICES: &'static [Choice];
 
     /// The name of a value.

@@ -18,7 +18,7 @@ pub struct Setting<S: 'static> {
     pub aliases: &'static [&'static str],
     /// The unit of numbers; empty if there is none.
     pub unit: &'static str,
-    /// Its meaning, in one sentence without a full stop.
+    /// The setting's meaning, in one sentence without a full stop.
     pub summary: &'static str,
     /// More details, in sentences; may be empty.
     pub help: &'static str,

@@ -7,9 +7,9 @@ use glam::Vec3;
 /// One of several named values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
-    /// Its name in lower case.
+    /// The name in lower case.
     pub name: &'static str,
-    /// Its meaning in a line without a full stop.
+    /// The meaning, in a line without a full stop.
     pub help: &'static str,
 }
 

@@ -26,7 +26,7 @@ fn noise(light: vec3f, mean: vec3f) -> f32 {
     return difference * difference / max(dot(abs(light) + abs(mean), vec3f(1.0 / 3.0)), 1e-20);
 }
 
-// Mean light of the four adjacent traced pixels, weighted by how well they fit the surface.
+// Mean light of the four adjacent traced pixels, weighted by their fit to the surface.
 fn mean_beside(place: vec2u, surface: Surface) -> vec3f {
     let last = vec2i(traced_size()) - 1;
     var sum = vec3f(0.0);

@@ -1,5 +1,5 @@
-// Surfaces of traced pixels, packed for the filter: the position in voxels in xyz, and in w the
-// normal (octahedral, 12 bits a coordinate, as an integer); w is negative if there is no surface.
+// Surfaces of traced pixels, packed for the filter: the position in voxels in xyz, the normal in w
+// (octahedral, 12 bits a coordinate, as an integer); w is negative without surface.
 
 import package::grid::grid_from_world;
 import package::trace::surface::{octahedral_decode, octahedral_encode, Surface};

@@ -2,9 +2,9 @@
 // frame's picture.
 //
 // The four texels around that place are weighted bilinearly and by their fit to the surface. A
-// surface that has not moved in the picture uses its own texel, so that nothing blurs. If none of
-// the four fits, as at the border of an object when the picture is jittered within the pixels, the
-// best of the neighbours is used.
+// surface that has not moved in the picture uses its own texel, which avoids blur. If none of the
+// four fits, as at the border of an object when the picture is jittered within the pixels, the best
+// of the neighbours is used.
 
 import package::grid::world_from_grid;
 import package::temporal::blend::FRAMES_OF_CHANGE;

@@ -39,7 +39,7 @@ const PLAUSIBLE: f32 = 1.5;
 // camera.
 const MOST_MOVED: f32 = 0.1;
 
-// From this number of frames on, the pixel's own reflection is used unfiltered.
+// Number of frames from which the pixel's own reflection is used unfiltered.
 const FILTERED_REFLECTIONS: f32 = 32.0;
 // The known reflection, clamped to the range of this frame's reflections around it.
 fn plausible(known: vec3f, centre: vec2u) -> vec3f {

@@ -32,7 +32,7 @@ pub struct GBufferViews<'a> {
 /// The textures of a G-buffer.
 #[derive(Clone, Copy, Debug)]
 pub enum GBuffer<'a> {
-    /// In Lumivox's own layout.
+    /// Textures in Lumivox's own layout.
     Views(GBufferViews<'a>),
     /// The resources of the caller's own module ([`crate::GiConfig::gbuffer`]), in the order of its
     /// bindings. wgpu reports resources that do not fit the bindings.

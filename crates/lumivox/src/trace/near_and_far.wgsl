@@ -105,7 +105,7 @@ fn gather_surface(
     let origin = cone_start(position_in_world, geometric_normal, level, settings);
     let world_from_normal = basis(shading_normal);
     let jitter = cell_jitter(start, frame);
-    // With a finite occlusion distance, rays reach that far.
+    // Rays reach at least to a finite occlusion distance.
     let near = NEAR * exp2(f32(level));
     let is_occlusion_near = settings.occlusion_distance < 3e38;
     let least_reach = select(near, max(near, settings.occlusion_distance), is_occlusion_near);

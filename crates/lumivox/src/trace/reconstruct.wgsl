@@ -24,7 +24,7 @@ import package::voxelize::reproducible::is_finite;
 // Differences below this multiple of their noise are noise.
 const CERTAIN: f32 = 3.0;
 
-// The light of 5 x 5 traced pixels around a pixel, and how well they fit its surface.
+// The light of 5 x 5 traced pixels around a pixel, and their fit to its surface.
 var<private> light: array<vec4f, 25>;
 var<private> shares: array<f32, 25>;
 

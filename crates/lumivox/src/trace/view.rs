@@ -12,8 +12,8 @@ use crate::gpu::{BindGroup, Buffer, TextureView, upload};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CameraView {
-    /// From the world to clip space (y up, z reversed: 1 near, 0 far), without jitter. A caller's
-    /// own G-buffer module may use another depth.
+    /// Transform from the world to clip space (y up, z reversed: 1 near, 0 far), without jitter. A
+    /// caller's own G-buffer module may use another depth.
     pub clip_from_world: Mat4,
     /// Position of the camera, m.
     pub position: Vec3,

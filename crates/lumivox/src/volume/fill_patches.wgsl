@@ -19,7 +19,7 @@ fn light_of(face: u32) -> vec2u {
     return pack_light(shown[face].rgb, faces[face].lobe, faces[face].flags);
 }
 
-// Runs after the list has changed. The light of new faces is written by the next light update.
+// Runs after the list has changed. The next light update writes the light of new faces.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
 fn surface(
     @builtin(global_invocation_id) invocation: vec3u,

@@ -37,7 +37,7 @@ struct FaceMeans {
     gloss: vec3f,
 }
 
-// Below this, in units of the sums, rounding dominates the normal.
+// Minimum sum of a reliable normal, in units of the sums: below it, rounding dominates.
 const LEAST_SUM = 64.0;
 
 // The normal of a face's plane, from the plane's key.

@@ -111,9 +111,9 @@ pub struct Walk<'a> {
 pub struct WalkRun<'a> {
     /// The detail to sample.
     pub detail: Detail,
-    /// Their range in the numbering of their batch.
+    /// The triangles' range in the numbering of their batch.
     pub triangles: Range<u32>,
-    /// Their bind groups, of the layouts of the step ([`VoxelizationShares::layouts`]).
+    /// The bind groups, of the layouts of the step ([`VoxelizationShares::layouts`]).
     pub groups: [&'a BindGroup; 4],
 }
 

@@ -93,7 +93,7 @@ pub(crate) struct Collected<'a> {
     pub replaced: Option<&'a VoxelList>,
     /// The faces that the list will get for dynamic surface.
     pub moving: Moving<'a>,
-    /// Its grid.
+    /// The list's grid.
     pub grid: &'a Grid,
 }
 

@@ -24,7 +24,7 @@ struct SplitCounts {
 @group(2) @binding(1) var<storage, read_write> item_starts: array<u32>;
 @group(2) @binding(2) var<storage, read_write> counts: SplitCounts;
 
-// Summed up within the workgroup first: one atomic operation on memory for 64 triangles.
+// Sums of the workgroup, so that 64 triangles need only one atomic operation on memory.
 var<workgroup> group_items: atomic<u32>;
 var<workgroup> group_degenerate: atomic<u32>;
 var<workgroup> group_outside: atomic<u32>;

@@ -46,7 +46,7 @@ fn in_voxel(position_in_world: vec3f, place: Place) -> vec3f {
 struct Beside {
     is_hidden: bool,
     is_behind: bool,
-    // The other face may pass through the point's square.
+    // Whether the other face may pass through the point's square.
     is_near: bool,
 }
 

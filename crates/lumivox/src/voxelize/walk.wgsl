@@ -136,7 +136,7 @@ fn walk_begin(item: Item) -> Walk {
     walk.slope = -walk.normal.xy / walk.normal.z;
     let middle = vec2f(corner) + 0.5 * f32(TILE_EDGE);
     let depth = a.z + dot(walk.slope, middle - a.xy);
-    // With cascades, this does not depend on the position of the box.
+    // With cascades, the range does not depend on the position of the box.
     let held = vec2f(vec2i(area.first.z, area.last.z));
     let range = select(held, BEYOND_VOXELS * vec2f(-1.0, 1.0), CASCADES > 0u);
     walk.base = vec3i(corner, i32(clamp(depth, range.x, range.y)));

@@ -149,7 +149,7 @@ pub struct VoxelList {
     pub occupancy: Buffer,
     /// For each word of `occupancy`, the number of bits set before it (`array<u32>`).
     pub ranks: Buffer,
-    /// `array<Node>`.
+    /// All nodes, `array<Node>`.
     pub nodes: Buffer,
     /// For each voxel, the index of its first face (`array<u32>`); a voxel's faces are consecutive,
     /// in the order of lobes.

@@ -123,7 +123,7 @@ fn reduced_panoramas_keep_their_total_light() {
 /// The parts that are cut out and the rest add up, texel by texel and for surfaces that face both.
 #[test]
 fn extracting_a_sun_keeps_the_total_light() {
-    // From under a pole to a seam of the panorama.
+    // Suns from a pole to a seam of the panorama.
     let suns = [
         Vec3::new(0.3, 0.8, -0.4),
         Vec3::new(0.02, 1.0, 0.01),

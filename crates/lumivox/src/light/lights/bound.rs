@@ -122,13 +122,13 @@ pub struct Lights {
 /// A light and its layers of the shadow maps.
 #[derive(Clone, Debug)]
 pub struct MappedLight {
-    /// Its index among the lights.
+    /// The light's index.
     pub index: u32,
-    /// Its position and distribution.
+    /// The light's position and distribution.
     pub source: LightSource,
-    /// Its first layer among all of the maps.
+    /// The light's first layer among all of the maps.
     pub first_layer: u32,
-    /// Its layers: the six faces of a point light; of other lights one layer, and the finer ones
+    /// The light's layers: the six faces of a point light; otherwise one layer, and the finer ones
     /// within it.
     pub layers: Vec<ShadowLayer>,
 }

@@ -157,7 +157,7 @@ pub enum Shadow {
 /// A light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// Its position and distribution.
+    /// The position and distribution.
     pub source: LightSource,
     /// The method for its shadows.
     pub shadow: Shadow,
@@ -166,7 +166,7 @@ pub struct Light {
 /// One layer of the shadow maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowLayer {
-    /// From the world to clip space, with reversed z (1 at the near plane).
+    /// Transform from the world to clip space, with reversed z (1 at the near plane).
     pub clip_from_world: Mat4,
     /// `true` if the projection is a perspective one (point and spot lights), `false` if it is
     /// parallel.

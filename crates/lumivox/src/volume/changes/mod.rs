@@ -9,7 +9,7 @@
 //! Voxelization sets the bits of voxels with changed surface (`voxelize/union.rs`). Each face's
 //! light is compared with the light that the volume stores ([`Changes::find`]). If light starts
 //! from darkness with many bounces, nearly everything changes several times within one update; then
-//! everything is written without a comparison ([`Changes::all`]).
+//! all cells are written without a comparison ([`Changes::all`]).
 
 mod list;
 #[cfg(test)]
@@ -239,7 +239,7 @@ impl Changes {
         Some(&bound.changed)
     }
 
-    /// Discards the knowledge of the volume's content, so that everything is stored the next time.
+    /// Discards the knowledge of the volume's content, so that the next update stores all cells.
     pub(crate) fn forget(&mut self) {
         self.is_forgotten = true;
     }

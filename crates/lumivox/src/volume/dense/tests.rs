@@ -126,7 +126,7 @@ fn finest_level_holds_the_faces_and_nothing_else() {
     }
 }
 
-/// The rule of `filter.wgsl`, loop for loop.
+/// The rule of `filter.wgsl`, with the same loops.
 fn filter_twin(finer: &Level, cell: UVec3, lobe: usize) -> ([f32; 4], [f32; 2]) {
     let axis = lobe / 2;
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);

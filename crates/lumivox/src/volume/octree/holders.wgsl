@@ -1,4 +1,4 @@
-// Which nodes contain a cell in their bricks.
+// Defines the nodes that contain a cell in their bricks.
 //
 // A cell is stored in the brick of its own node and, as a neighbour's cell, in the bricks of the
 // nodes that end where it begins: the nodes before its own along each axis along which it is the

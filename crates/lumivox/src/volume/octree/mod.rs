@@ -257,8 +257,8 @@ impl OctreeVolume {
     }
 
     /// Applies finished read-backs; grows buffers that overflowed, with a reserve if there is
-    /// dynamic surface. Returns `true` if they have grown, and a list must be shown before anything
-    /// else.
+    /// dynamic surface. Returns `true` if they have grown; a list must be shown then before other
+    /// calls.
     ///
     /// # Errors
     /// [`GiError::Limit`] and [`GiError::Budget`] if it does not fit.

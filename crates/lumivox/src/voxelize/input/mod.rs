@@ -75,9 +75,9 @@ pub(crate) struct DrawGroup {
     pub material: u32,
     /// The detail to sample.
     pub detail: Detail,
-    /// Its triangles, in the batch's numbering.
+    /// The group's triangles, in the batch's numbering.
     pub triangles: std::ops::Range<u32>,
-    /// Its draws, in the batch's order.
+    /// The group's draws, in the batch's order.
     pub draws: std::ops::Range<u32>,
 }
 
@@ -361,7 +361,7 @@ fn draw_record(
     emission_scale: f32,
     first_triangle: u32,
 ) -> DrawRecord {
-    // In f64: the grid's origin may be far from the world's.
+    // Computed in f64, since the grid's origin may be far from the world's.
     let scale = 1.0 / f64::from(grid.voxel_size_m);
     let origin = grid.origin_in_world.as_dvec3();
     let world_from_local: Mat4 = draw.world_from_local;

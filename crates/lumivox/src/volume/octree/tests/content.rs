@@ -1,4 +1,4 @@
-//! Checks the content of bricks, and what cones see of it.
+//! Checks the content of bricks, and the light that cones find in them.
 
 use glam::UVec3;
 
