@@ -19,8 +19,7 @@ pub struct GiConfig {
     /// How cells are stored.
     pub volume: VolumeKind,
     /// `true` to store the light of the faces also in cells and filter it into a pyramid, for views
-    /// of them. Default: false. Octrees and [`Self::cones`] always have cells, since cones march
-    /// through them.
+    /// of them. Default: false. With an octree or [`Self::cones`] there are always cells.
     pub keeps_cells: bool,
     /// How an octree's nodes are built; `None` (the default): numbered by ranks in bit masks, in
     /// the same order in every run. Unused by dense volumes.

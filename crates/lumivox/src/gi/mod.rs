@@ -27,7 +27,7 @@ use place::refuse_with_cascades;
 /// Results of a voxelization.
 #[derive(Clone, Debug)]
 pub struct Voxelized {
-    /// Counts, and bytes by buffer.
+    /// Counts of triangles, voxels and faces.
     pub stats: VoxelizeStats,
     /// Time of each pass; empty with `Timing::Off`.
     pub times: Vec<StageTime>,

@@ -80,7 +80,7 @@ struct Drifted {
     most_frames: f32,
 }
 
-// Known light of a place in the last frame, plus its change since then.
+// Known light of a place in the last frame, updated by its change since then.
 fn drift(light: vec3f, place: vec2f, surface: Surface, slack: f32) -> Drifted {
     let small = place / f32(settings.scale);
     let last = vec2i(textureDimensions(past_guides)) - 1;
