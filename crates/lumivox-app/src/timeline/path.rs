@@ -163,7 +163,7 @@ fn parse(text: &[u8]) -> Result<Vec<Key>, String> {
         return Err("the camera path is text in UTF-16; save it as UTF-8".to_owned());
     }
     let values: Vec<serde_json::Value> = serde_json::from_slice(text).map_err(|error| {
-        // JSON has no slash outside of strings: it starts a comment.
+        // JSON allows no slash outside strings, so this one starts a comment.
         let line = text.split(|&byte| byte == b'\n').nth(error.line().saturating_sub(1));
         let at = line.and_then(|line| line.get(error.column().saturating_sub(1)));
         if at == Some(&b'/') {

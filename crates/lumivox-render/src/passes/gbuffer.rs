@@ -60,7 +60,7 @@ const MULTIPLY: wgpu::BlendComponent = wgpu::BlendComponent {
     operation: wgpu::BlendOperation::Add,
 };
 
-/// `RasterView` of `gbuffer_pass.wgsl`.
+/// `RasterView` of `gbuffer.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct RasterView {

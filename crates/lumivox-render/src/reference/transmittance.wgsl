@@ -1,4 +1,4 @@
-// The surfaces between a point and a light.
+// The light that the surfaces between a point and a light let through.
 
 import package::constants::{NO_TRIANGLE, REFERENCE_SEE_THROUGH, TRIANGLE_SEE_THROUGH};
 import package::render::reference::intersect::{intersect, ray_from};

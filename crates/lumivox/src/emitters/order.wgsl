@@ -155,7 +155,7 @@ fn is_inside(index: u32, emitter: Emitter, normal: vec3f) -> bool {
             }
             widths[way] = met.distance;
         }
-        // The last four directions are two opposite pairs.
+        // The last four are two opposite pairs: the sum of each is a width along the surface.
         least = min(min(least, widths[0]), min(widths[5] + widths[6], widths[7] + widths[8]));
     }
     return least < 1.0;

@@ -74,7 +74,7 @@ pub enum Redoes {
     /// With a cone model, the voxels' light, which its cones gather, and frames; without one, only
     /// frames.
     MarchedLight,
-    /// The textures whose size depends on the picture, and frames.
+    /// The textures that are as large as the picture, and the frames.
     Targets,
     /// The voxels and everything made from them.
     Voxels,

@@ -1,4 +1,4 @@
-// All surfaces for rays: group 0, with the grid and the emitters.
+// The surfaces that rays meet, in group 0 with the grid and the emitters.
 
 import package::constants::{FAR_CELLS, PATCH_WORDS};
 

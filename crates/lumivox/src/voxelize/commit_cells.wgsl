@@ -32,7 +32,7 @@ fn cells(
     let former = occupancy[word];
     occupancy[word] = new_occupancy[word];
     if word < arrayLength(&moving_before) {
-        // A missing share has no bits.
+        // `moving` may be shorter: words beyond its end count as zero.
         var now = 0u;
         if word < arrayLength(&moving) {
             now = moving[word];

@@ -118,7 +118,7 @@ pub struct VoxelizeStats {
     pub skipped: u64,
     /// Triangles that lie wholly outside the grid.
     pub outside: u64,
-    /// Tiles of triangles: the threads of each exact walk.
+    /// Tiles that triangles are cut into; an exact walk has a thread for each.
     pub work_items: u64,
     /// Pieces of triangles in voxels, each counted as often as a walk finds it.
     pub fragments: u64,

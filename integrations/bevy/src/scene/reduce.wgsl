@@ -5,7 +5,7 @@ struct Reduction {
     size: vec2u,
     // Alpha becomes 1 at or above the cutoff, 0 below; if negative, alpha is unchanged.
     cutoff: f32,
-    // Maximum source texels along an edge, per texel.
+    // The most source texels along each axis that are read for a texel.
     max_footprint: u32,
     padding: vec2u,
 }

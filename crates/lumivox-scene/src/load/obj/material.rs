@@ -322,7 +322,7 @@ impl Conversion<'_, '_, '_> {
         // Exporters write Ke 0 with an image.
         let said = self.mtl.emission.unwrap_or(Vec3::ZERO).max(Vec3::ZERO);
         let map = self.mtl.map(Slot::Emission).cloned();
-        // A missing image has no stand-in here: a glowing checkerboard would not help.
+        // A missing image is not replaced by a checkerboard, which would glow.
         let texture = map.and_then(|map| {
             let made = self
                 .find(&map)

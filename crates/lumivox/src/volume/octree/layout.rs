@@ -29,7 +29,7 @@ pub(crate) struct TreeUniform {
     pub(crate) levels: [[u32; 4]; NODE_LEVELS],
 }
 
-/// Layout that depends only on the grid.
+/// The part of the layout that depends only on the grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TreeLayout {
     pub root_level: u32,
