@@ -223,7 +223,7 @@ fn pipes_are_refused_wherever_a_file_is_named() {
         ("compare --images truth.exr truth.exr".to_owned(), "truth.exr"),
         (format!("compare corner.glb {small} --reference truth.exr"), "truth.exr"),
         (format!("reference corner.glb -o a.exr {small} --checkpoint sums --resume"), "sums"),
-        ("quality page cornell --cache cache".to_owned(), "measurements.json"),
+        ("bench --quick --cache cache".to_owned(), "measurements.json"),
     ] {
         let run = ends(path, &line);
         assert!(run.code == INPUT || run.code == crate::common::OUTPUT, "{line}: {}", run.stderr);
