@@ -134,7 +134,7 @@ impl Host {
         };
     }
 
-    /// As [`Self::complain`], above the progress bars.
+    /// Writes to stderr as `complain` does, above the progress bars.
     pub fn complain_above_bars(&self, text: &str) {
         self.bars.suspend(|| self.complain(text));
     }

@@ -45,13 +45,13 @@ impl ProgressDisplay {
         progress
     }
 
-    /// Starts without a display; a [`ProgressReader`] reads it.
+    /// Starts without a display; a `ProgressReader` reads it.
     pub fn silent(stage: &'static str) -> Self {
         let bar = ProgressBar::hidden().with_style(style(false)).with_prefix(stage);
         Self { bar, shown: None, stop: Arc::default() }
     }
 
-    /// Makes Ctrl-C a request to stop, which the work must check: see [`Host::stop_on_interrupt`].
+    /// Makes Ctrl-C a request to stop, which the work must check (`Host::stop_on_interrupt`).
     ///
     /// # Errors
     /// When no signal handler can be installed.

@@ -93,7 +93,7 @@ pub fn report(settings: &RenderSettings) -> Map<String, serde_json::Value> {
     rows.map(|row| (row.name.to_owned(), json_of(row.get(settings)))).collect()
 }
 
-/// Serializes settings as [`report`] lists them.
+/// Serializes the settings that have an effect, under their names.
 ///
 /// # Errors
 /// The errors of the writer `to`.

@@ -29,7 +29,7 @@ impl SceneArg {
     /// Makes or reads the scene.
     ///
     /// # Errors
-    /// As [`scene::load`].
+    /// When the scene cannot be read, and when options for files are given with a built-in scene.
     pub fn load(&self, progress: &ProgressDisplay) -> anyhow::Result<Scene> {
         scene::load(&self.scene, &self.load, progress)
     }
