@@ -156,7 +156,7 @@ async fn load_files(list: &Array, listener: &Listener) -> Result<Loaded, WebErro
     let files = read_files(list, listener).await?;
     let file = files.scene()?.to_owned();
     let scene = parse(&files, &file, None, listener)?;
-    // Of several panoramas none is chosen: the right one is unknown and the scene needs none.
+    // With several panoramas none is chosen: the scene does not say which, and needs none.
     let (name, notes) = match files.panorama() {
         Ok(name) => (name, Vec::new()),
         Err(error) => (None, vec![error.message]),
