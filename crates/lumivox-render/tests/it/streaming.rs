@@ -1,5 +1,7 @@
 //! Tests of geometry that is streamed with the camera, within a budget of GPU memory.
 
+use std::ops::ControlFlow;
+
 use glam::{Mat4, UVec2, Vec3, Vec4};
 use lumivox::{CascadeOptions, TraceSettings, VolumeKind};
 use lumivox_render::{
@@ -147,7 +149,12 @@ fn geometry_streams_in_around_a_moving_camera() {
     }
     let there = camera(35.0);
     let expected = mean_luminance(&picture(&mut new_at(&gpu, &scene, &there, settings)));
-    let arrived = mean_luminance(&picture(&mut moving));
+    // How many frames the last voxels are late varies with the load of the machine; their light
+    // takes a few more.
+    moving.set_camera(there);
+    let keeps_on = &mut |_| ControlFlow::Continue(());
+    let arrived = pollster::block_on(moving.render_more(12, keeps_on)).expect("a picture");
+    let arrived = mean_luminance(&arrived.expect("nothing stops it"));
     println!("{darkest:.2} at least, {arrived:.2} in the end, {expected:.2} of a new one");
     assert!(darkest > 0.6 * expected, "a hole: {darkest} of {expected}");
     assert!((arrived / expected - 1.0).abs() < 0.05, "{arrived}, not {expected}");
