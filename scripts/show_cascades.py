@@ -143,7 +143,7 @@ def costs(program):
     """Times by stages with one to eight cascades, the least of two runs each."""
     print("| cascades | outermost voxels | reach | voxels | voxelization | direct light | a bounce | a frame | volume |")
     print("| --: | --: | --: | --: | --: | --: | --: | --: | --: |")
-    names = ["voxelize", "light", "bounce", "trace"]
+    stages = [["voxelize"], ["light"], ["face rays", "emitter rays", "bounce"], ["trace"]]
     with tempfile.TemporaryDirectory() as folder:
         for count in range(1, 9):
             options = ["--cascades", str(count), "--size", "160x90", "--frames", "2", "--bounces", "2", "-v"]
@@ -151,7 +151,7 @@ def costs(program):
             for _ in range(2):
                 text = lumivox(program, "city", f"{folder}/a.png", "--camera", "street", *options)
                 stage = dict(re.findall(r"^  (\S[\w -]*?) +([\d.]+)$", text, re.MULTILINE))
-                runs.append([float(stage[name]) for name in names])
+                runs.append([sum(float(stage.get(name, 0)) for name in names) for names in stages])
             voxels = re.search(r"voxels +([\d ]+) with", text).group(1)
             mib = volume_mib(program, "--volume", "cascades", "--cascades", str(count))
             times = " | ".join(f"{min(times):.0f} ms" for times in zip(*runs))

@@ -159,8 +159,13 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             let bits = index[2u * word];
             // Blocks of 2 x 2 x 2 are a byte of bits, of 4 x 4 x 4 two words.
             var step = select(1, 2, ((bits >> (code & 24u)) & 0xffu) == 0u);
-            if (index[blocks + block / 32u] & (1u << (block % 32u))) == 0u {
-                step = 8;
+            let block_bits = index[blocks + block / 32u];
+            if (block_bits & (1u << (block % 32u))) == 0u {
+                // The same one level up: 16 x 16 x 16 and 32 x 32 x 32.
+                step = select(8, 16, CASCADES == 0u && ((block_bits >> (block & 24u)) & 0xffu) == 0u);
+                if CASCADES == 0u && (block_bits | index[blocks + (block / 32u ^ 1u)]) == 0u {
+                    step = 32;
+                }
             } else if (bits | index[2u * (word ^ 1u)]) == 0u {
                 step = 4;
             }

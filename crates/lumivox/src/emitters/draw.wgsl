@@ -41,26 +41,48 @@ struct Drawn {
     on: vec2f,
 }
 
-// Samples an emitter; `random` is in [0, 1)^2. The list must not be empty.
-fn draw_emitter(place: vec3f, normal: vec3f, random: vec2f) -> Drawn {
-    var drawn = Drawn(0u, 1.0, random);
+// The contributions of a node's two children to a place.
+fn importances(node: u32, place: vec3f, normal: vec3f) -> vec2f {
+    let record = emitters.records[node];
+    return vec2f(
+        importance(unpack(record[0], record[1]), place, normal),
+        importance(unpack(record[2], record[3]), place, normal),
+    );
+}
+
+// Those of the root's children: the same for all emitters sampled for a place.
+fn root_importances(place: vec3f, normal: vec3f) -> vec2f {
+    return select(importances(emitters.count, place, normal), vec2f(1.0, 0.0), emitters.count == 1u);
+}
+
+// Chooses one of two children.
+fn descend(drawn: Drawn, children: vec2f) -> Drawn {
+    let both = children.x + children.y;
+    let is_right = drawn.on.x * both >= children.x && children.y > 0.0;
+    let share = select(children.x, children.y, is_right) / both;
+    // Reuses the rest of the random number after it has chosen a child.
+    let before = select(0.0, children.x / both, is_right);
+    let rest = clamp((drawn.on.x - before) / share, 0.0, 0.99999994);
+    let chosen =
+        Drawn(2u * drawn.index + u32(is_right), drawn.share * share, vec2f(rest, drawn.on.y));
+    if both <= 0.0 || drawn.share <= 0.0 {
+        return Drawn(0u, 0.0, drawn.on);
+    }
+    return chosen;
+}
+
+// Samples an emitter; `random` is in [0, 1)^2, `root` from root_importances. The list must not be
+// empty.
+fn draw_emitter(place: vec3f, normal: vec3f, random: vec2f, root: vec2f) -> Drawn {
     let count = emitters.count;
-    var first = count;
-    for (var level = tree_levels(count); level > 0u; level--) {
-        let node = emitters.records[first + drawn.index];
-        let left = importance(unpack(node[0], node[1]), place, normal);
-        let right = importance(unpack(node[2], node[3]), place, normal);
-        let both = left + right;
-        if both <= 0.0 {
-            return Drawn(0u, 0.0, random);
-        }
-        let is_right = drawn.on.x * both >= left && right > 0.0;
-        let share = select(left, right, is_right) / both;
-        // Reuses the rest of the random number after it has chosen a child.
-        let before = select(0.0, left / both, is_right);
-        drawn.on.x = clamp((drawn.on.x - before) / share, 0.0, 0.99999994);
-        drawn.share *= share;
-        drawn.index = 2u * drawn.index + u32(is_right);
+    var drawn = Drawn(0u, 1.0, random);
+    if count > 1u {
+        drawn = descend(drawn, root);
+    }
+    let levels = tree_levels(count);
+    var first = count + 1u;
+    for (var level = max(levels, 1u) - 1u; level > 0u; level--) {
+        drawn = descend(drawn, importances(first + drawn.index, place, normal));
         first += nodes_at(count, level);
     }
     return drawn;

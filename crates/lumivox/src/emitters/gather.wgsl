@@ -8,7 +8,9 @@ import package::cascades::finest_level;
 import package::cones::cone::{Cone, ConeSettings, START, Traced};
 import package::cones::trace_method::{cone_start, trace_cone};
 import package::constants::SAMPLES_EMITTERS;
-import package::emitters::draw::{draw_emitter, emitters, point_of, Drawn, EmitterPoint};
+import package::emitters::draw::{
+    draw_emitter, emitters, point_of, root_importances, Drawn, EmitterPoint,
+};
 import package::emitters::emitter::{distance_to, emitter_of, NEIGHBOURS, strength};
 import package::grid::grid_from_world;
 
@@ -127,8 +129,9 @@ fn gather_emitters(
     var weights: array<f32, CANDIDATES>;
     var hues: array<f32, CANDIDATES>;
     var sum = 0.0;
+    let root = root_importances(place, geometric_normal);
     for (var i = 0u; i < CANDIDATES; i++) {
-        let drawn = draw_emitter(place, geometric_normal, candidate(numbers, i, CANDIDATES));
+        let drawn = draw_emitter(place, geometric_normal, candidate(numbers, i, CANDIDATES), root);
         let point = point_of(drawn, place);
         let cosine = folded_cosine(point.direction, shading_normal, geometric_normal);
         let weight = strength(point.radiance) * cosine * point.solid_angle;

@@ -119,6 +119,7 @@ pub(crate) struct Emitters {
     /// `true` if there were dynamic emitters.
     has_moving: bool,
     emission_scale: f32,
+    version: u64,
 }
 
 /// A batch with emissive triangles.
@@ -194,12 +195,18 @@ impl Emitters {
             is_forgotten: true,
             has_moving: false,
             emission_scale: 0.0,
+            version: 0,
         })
     }
 
     /// `EmitterList` of `emitter.wgsl`.
     pub(crate) fn list(&self) -> &Buffer {
         self.order.list()
+    }
+
+    /// Differs after each change of the list.
+    pub(crate) fn version(&self) -> u64 {
+        self.version
     }
 
     /// `true` if a geometry has emitters, and all of them can be listed.
@@ -274,6 +281,7 @@ impl Emitters {
         if is_same {
             return Ok(false);
         }
+        self.version += 1;
         recorder.stage("emitters");
         let has_grown = !is_bound && self.bind(recorder, &input, geometry)?;
         for (batch, (_, prepared)) in self.batches.iter_mut().zip(&input.batches) {

@@ -2,6 +2,7 @@
 //! continues from frame to frame.
 
 mod frame;
+mod moved;
 mod octree;
 
 use glam::{Mat4, Vec3};
@@ -428,7 +429,7 @@ fn response(faces: impl Fn(u32) -> Option<u32>, frames: u32) -> (Vec<f64>, [f64;
 fn light_follows_a_lamp_switch_within_frames() {
     let (whole, [settled, solved]) = response(|_| None, 10);
     println!("whole gathers: {whole:.3?}, settles to {settled} of {solved}");
-    assert!(whole[0] >= 0.55 && whole[3] >= 0.95 && whole[7] >= 0.99, "{whole:?}");
+    assert!(whole[0] >= 0.55 && whole[1] >= 0.86 && whole[3] >= 0.99, "{whole:?}");
     assert!((settled / solved - 1.0).abs() < 0.005, "{settled} is not {solved}");
     assert!(whole.iter().all(|share| *share <= 1.01), "it overshoots: {whole:?}");
     let (quarter, [settled, solved]) = response(|count| Some(count.div_ceil(4)), 14);

@@ -75,7 +75,7 @@ impl Gi {
     ///
     /// Light continues from the last call of this function or of [`Self::light`]: it computes
     /// direct light, if lights or surfaces have changed, and one gather. Light travels one bounce a
-    /// frame, and converges to the result of [`Self::light`] with very many bounces, about 32
+    /// frame, and converges to the result of [`Self::light`] with very many bounces, about 22
     /// gathers after the last change.
     ///
     /// The places of an octree's bricks, which affect the last bits of traced light, depend on the

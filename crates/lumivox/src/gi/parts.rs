@@ -76,6 +76,12 @@ impl Gi {
         self.volume.cells.as_ref()
     }
 
+    /// The hits of the faces' rays (`turn.wgsl`).
+    #[cfg(test)]
+    pub(crate) fn face_hits(&self) -> Option<&Buffer> {
+        self.lighting.hits()
+    }
+
     /// The radiance that each face of the list sends out (`array<vec4f>`, rgb); `None` before there
     /// is a list.
     pub fn face_radiance(&self) -> Option<&Buffer> {

@@ -1,14 +1,26 @@
 // One bounce: faces gather the radiance of other faces. Reflectance is below one, so repeated
-// bounces converge.
+// bounces converge. Later gathers after a change are accelerated by the heavy-ball method (Polyak
+// 1964).
 
 import package::cascades::cascade_of;
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{LINEAR_WORKGROUP_SIZE, MOMENTUM, RELAXATION};
 import package::gpu::dispatch::linear_index;
 import package::light::turn::{
-    counts, face_in_turn, faces, first_fresh, from_emitters, irradiance, is_fresh, settings,
+    counts, face_in_turn, faces, first_fresh, from_emitters, irradiance, is_fresh, keep_last_step,
+    last_step, settings,
 };
 import package::light::gather_method::gathered_at;
 import package::voxels::morton::morton_decode;
+
+// The irradiance after a gather that found `sum`: beyond it by the momentum of earlier gathers. A
+// channel whose change turns round takes the sum itself. Without this, light between two walls
+// closer than a voxel would swing more and more.
+fn relaxed(index: u32, before: vec3f, sum: vec3f) -> vec3f {
+    let change = sum - before;
+    let last = last_step(index);
+    let step = select(RELAXATION * change + MOMENTUM * last, change, change * last < vec3f(0.0));
+    return max(before + step, vec3f(0.0));
+}
 
 fn gather_at(index: u32) {
     let face = faces[index];
@@ -16,6 +28,13 @@ fn gather_at(index: u32) {
     var sum = gathered_at(index, face, level);
     if settings.has_emitters != 0u {
         sum += from_emitters(index);
+    }
+    let before = irradiance[index];
+    if settings.relaxes != 0u && before.w != 0.0 {
+        sum = relaxed(index, before.rgb, sum);
+        keep_last_step(index, sum - before.rgb);
+    } else {
+        keep_last_step(index, vec3f(0.0));
     }
     irradiance[index] = vec4f(sum, 1.0);
 }

@@ -1,10 +1,10 @@
 //! The light of a voxel list's faces, and the kernels that compute it.
 
-use super::turns::Turn;
+use super::turns::{MOVED_BOXES, Turn};
 use crate::GiError;
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
-    ShaderLibrary, storage_buffer,
+    ShaderLibrary, counted_buffer, storage_buffer,
 };
 use crate::volume::changes::Shown;
 use crate::voxelize::{Collected, Moving};
@@ -12,7 +12,7 @@ use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList};
 
 /// Words per face in `hits`: the hits of its rays, its adjacent faces, and its irradiance from
 /// emitters.
-pub(super) const HIT_WORDS: u32 = 24;
+pub(crate) const HIT_WORDS: u32 = 24;
 const HIT_BYTES: u64 = 4 * HIT_WORDS as u64;
 
 /// Cells of the hemisphere for a face's far light, a word each.
@@ -24,6 +24,7 @@ pub(crate) const FAR_BYTES: u64 = 4 * FAR_CELLS as u64;
 pub(super) struct LightKernels {
     direct_layout: wgpu::BindGroupLayout,
     bounce_layout: wgpu::BindGroupLayout,
+    box_layout: wgpu::BindGroupLayout,
     reflect_layout: wgpu::BindGroupLayout,
     show_layout: wgpu::BindGroupLayout,
     move_light_layout: wgpu::BindGroupLayout,
@@ -32,6 +33,7 @@ pub(super) struct LightKernels {
     /// `None` if cones march.
     find: Option<[Kernel; 2]>,
     far: Option<FarKernels>,
+    box_moved: [Kernel; 2],
     bounce: [Kernel; 2],
     shine: [Kernel; 2],
     reflect: Kernel,
@@ -55,6 +57,9 @@ impl LightKernels {
     /// Queues the kernels of bounces for compilation, and with `in_frames` those that only frames
     /// use.
     pub(super) fn expect_bounces(&self, device: &Pipelines, has_emitters: bool, in_frames: bool) {
+        if in_frames {
+            self.box_moved.iter().for_each(|kernel| kernel.expect(device));
+        }
         let far = self.far.iter().flat_map(|far| [&far.collect, &far.rows, &far.columns]);
         for kernel in self.find.iter().flatten().chain(far) {
             kernel.expect(device);
@@ -87,7 +92,8 @@ impl LightKernels {
             let layout = (0..read).fold(layout, |layout, _| layout.storage());
             (0..written).fold(layout, |layout, _| layout.storage_mut()).build(device, label)
         };
-        let bounce_layout = layout(2, 1, 2, "bounce");
+        let bounce_layout = layout(3, 1, 2, "bounce");
+        let box_layout = layout(2, 1, 1, "box of moved surface");
         let reflect_layout = layout(1, 3, 1, "reflect");
         let show_layout = layout(1, 2, 1, "show");
         let move_light_layout = layout(1, 6, 2, "move light");
@@ -116,6 +122,11 @@ impl LightKernels {
             let collect = Kernel::deferred(device, shaders, "light::far", "main", &groups)?;
             Ok::<_, ShaderError>(FarKernels { share_layout, collect, rows, columns })
         };
+        let box_moved = ["empty", "main"].map(|entry| {
+            let groups = [grid, &box_layout];
+            Kernel::deferred(device, shaders, "light::box_moved", entry, &groups)
+        });
+        let [empty, main] = box_moved;
         let show =
             |entry| Kernel::deferred(device, shaders, "light::show", entry, &[grid, &show_layout]);
         let [bounce, shine] = [gather("light::bounce")?, gather("light::shine")?];
@@ -125,6 +136,7 @@ impl LightKernels {
             direct_layout: layout(1, 1, 1, "direct light"),
             find: (!marches).then(find).transpose()?,
             far: (!marches).then(far).transpose()?,
+            box_moved: [empty?, main?],
             bounce,
             shine,
             reflect: kernel("light::reflect", &reflect_layout)?,
@@ -134,6 +146,7 @@ impl LightKernels {
             settle: kernel("light::settle", &settle_layout)?,
             copy_replaced: kernel("light::copy_replaced", &copy_layout)?,
             bounce_layout,
+            box_layout,
             reflect_layout,
             show_layout,
             move_light_layout,
@@ -158,6 +171,19 @@ impl LightKernels {
         for find in self.find.iter().flatten() {
             faces.run(recorder, "light::find", find, &[globals, &faces.bounce]);
         }
+    }
+
+    /// Finds the box around the voxels that dynamic surface touches.
+    pub fn box_moved(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
+        if faces.moving_capacity == 0 {
+            return;
+        }
+        let [empty, main] = &self.box_moved;
+        let groups = [grid, &faces.box_moved];
+        recorder.compute("light::box_moved", |pass| {
+            empty.dispatch_linear(pass, &groups, 1);
+            main.dispatch_linear(pass, &groups, faces.moving_capacity);
+        });
     }
 
     /// Computes the far light of all faces, shared among neighbours. `None` if cones march.
@@ -293,6 +319,7 @@ pub(super) struct Faces {
     /// Radiance that the volume shows without emission.
     reflected: Buffer,
     direct_group: BindGroup,
+    box_moved: BindGroup,
     bounce: BindGroup,
     reflect: BindGroup,
     show: BindGroup,
@@ -316,7 +343,7 @@ impl Far {
     fn new(
         device: &wgpu::Device,
         kernels: &LightKernels,
-        (settings, hits): (&Buffer, &Buffer),
+        [settings, boxes, hits]: [&Buffer; 3],
         list: &VoxelList,
     ) -> Option<Self> {
         let far = kernels.far.as_ref()?;
@@ -325,6 +352,7 @@ impl Far {
         let collect = BindGroupBuilder::new(&kernels.bounce_layout)
             .buffer(settings)
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
+            .buffer(boxes)
             .buffer(&list.faces)
             .buffer(&light[0])
             .buffer(hits)
@@ -388,7 +416,9 @@ impl Faces {
         let shown = buffer("shown radiance");
         let held = buffer("held radiance");
         let hits = storage_buffer(device, "hits", list.face_capacity() * HIT_BYTES);
-        let far = Far::new(device, kernels, (settings, &hits), list);
+        // Two vectors of four words for each box.
+        let boxes = counted_buffer(device, "boxes of moved surface", 32 * u64::from(MOVED_BOXES));
+        let far = Far::new(device, kernels, [settings, &boxes, &hits], list);
         let reflected = if has_emission { list.face_capacity() * 16 } else { 0 };
         let reflected = storage_buffer(device, "reflected radiance", reflected);
         let moving_count = moving.faces.size() / size_of::<crate::voxels::FaceRecord>() as u64;
@@ -399,9 +429,16 @@ impl Faces {
             .buffer(&list.faces)
             .buffer(&direct)
             .build(device, "direct light");
+        let box_moved = BindGroupBuilder::new(&kernels.box_layout)
+            .buffer(settings)
+            .slice(&list.counts, 0, LIST_COUNT_BYTES)
+            .buffer(&list.faces)
+            .buffer(&boxes)
+            .build(device, "box of moved surface");
         let bounce = BindGroupBuilder::new(&kernels.bounce_layout)
             .buffer(settings)
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
+            .buffer(&boxes)
             .buffer(&list.faces)
             .buffer(&irradiance)
             .buffer(&hits)
@@ -454,6 +491,7 @@ impl Faces {
             far,
             reflected,
             direct_group,
+            box_moved,
             bounce,
             reflect,
             show,

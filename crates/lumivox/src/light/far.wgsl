@@ -16,19 +16,11 @@ import package::volume::surface::far_cells;
 import package::voxels::list::Face;
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(3) var<storage, read_write> far: array<u32>;
+@group(1) @binding(4) var<storage, read_write> far: array<u32>;
 
-// The far light of one ray of a face, packed.
-fn brought(index: u32, face: Face, ray: u32) -> u32 {
-    let hit = hits[index * HIT_WORDS + ray];
-    let met = hit - HIT_OFFSET;
-    if met == NOTHING {
-        let local = cell_cone(ray, FACE_RAYS, face_jitter(face));
-        let direction = basis(normalize(face.vector_area)) * local.direction;
-        let growth = cone_growth(local.tan_half_angle, local.direction.z, settings.cones);
-        return pack_far_light(FarLight(environment_radiance(direction, growth), 1.0));
-    }
-    if hit == 0u || met >= UNLIT || (face.flags & HIDDEN) != 0u {
+// The far light of a ray that has met a surface, packed.
+fn brought(index: u32, face: Face, met: u32) -> u32 {
+    if met >= UNLIT || (face.flags & HIDDEN) != 0u {
         return NO_FAR_LIGHT;
     }
     let away = grid_from_world(faces[met].position_in_world) - grid_from_world(face.position_in_world);
@@ -50,7 +42,27 @@ fn main(
     }
     let face = faces[index];
     let rays = far_cells();
+    var open = 0u;
     for (var i = 0u; i < rays; i++) {
-        far[index * FACE_RAYS + i] = brought(index, face, i);
+        let hit = hits[index * HIT_WORDS + i];
+        let met = hit - HIT_OFFSET;
+        far[index * FACE_RAYS + i] = select(NO_FAR_LIGHT, brought(index, face, met), hit != 0u);
+        open |= u32(met == NOTHING) << i;
+    }
+    // The rays that leave the grid, a loop of their own: in closed rooms there are none.
+    let world_from_normal = basis(normalize(face.vector_area));
+    let jitter = face_jitter(face);
+    loop {
+        let i = firstTrailingBit(open) % FACE_RAYS;
+        let local = cell_cone(i, FACE_RAYS, jitter);
+        let growth = cone_growth(local.tan_half_angle, local.direction.z, settings.cones);
+        let outside = environment_radiance(world_from_normal * local.direction, growth);
+        if open != 0u {
+            far[index * FACE_RAYS + i] = pack_far_light(FarLight(outside, 1.0));
+        }
+        open &= open - 1u;
+        continuing {
+            break if open == 0u;
+        }
     }
 }

@@ -10,9 +10,10 @@ import package::cones::ray::{trace_ray, Passed, Ray};
 import package::cones::trace_method::cone_start;
 import package::constants::{HIDDEN, HIT_WORDS, LINEAR_WORKGROUP_SIZE, RAY_CLASSES};
 import package::gpu::dispatch::linear_index;
+import package::grid::grid_from_world;
 import package::light::turn::{
-    counts, face_jitter, faces, first_fresh, hits, is_fresh, is_in_turn, settings, FACES_BESIDE,
-    FACE_RAYS, FIRST_BESIDE, HIT_OFFSET,
+    counts, face_jitter, faces, first_fresh, hits, is_fresh, is_in_turn, may_meet, moved_box,
+    settings, Box, FACES_BESIDE, FACE_RAYS, FIRST_BESIDE, HIT_OFFSET,
 };
 import package::volume::beside::{is_parted, patch_of, spot_at, start_of_face};
 import package::volume::patch::{NOTHING, UNLIT};
@@ -20,19 +21,32 @@ import package::voxels::morton::morton_decode;
 
 const UNKNOWN = 0u;
 
-// Whether a hit or adjacent face has to be found again. In the face's turn: if it was never found,
-// or if its group is due after surface has moved. In any turn after surface has moved: if one of
-// the two faces is dynamic, so that its place in the list varies.
-fn is_outdated(hit: u32, face: u32, ray: u32, is_due: bool) -> bool {
+// Whether a hit or adjacent face has to be found again: if it was never found, or if its group is
+// due after surface has moved, and `may_change`. In any turn after surface has moved: if one of the
+// two faces is dynamic, so that its place in the list varies.
+fn is_outdated(hit: u32, face: u32, ray: u32, is_due: bool, may_change: bool) -> bool {
     let met = hit - HIT_OFFSET;
     let is_moving = face >= counts.fixed_faces || (met >= counts.fixed_faces && met < UNLIT);
     let is_in_group = ((settings.rays_anew >> (ray % RAY_CLASSES)) & 1u) != 0u;
-    return (is_due && (hit == UNKNOWN || is_in_group))
+    return (is_due && (hit == UNKNOWN || (is_in_group && may_change)))
         || (hit != UNKNOWN && is_moving && settings.rays_anew != 0u);
 }
 
 fn is_due_to_look(index: u32) -> bool {
     return is_in_turn(index) || (index >= first_fresh() && is_fresh(index));
+}
+
+// A distance from a ray's start within which it met a face; hits are less than this far from the
+// mean position of their face, in voxels.
+const FROM_MEAN = 4.0;
+const BEYOND_GRID = 65536.0;
+
+fn reach_of(hit: u32, origin: vec3f) -> f32 {
+    let met = hit - HIT_OFFSET;
+    if hit == UNKNOWN || met >= UNLIT {
+        return BEYOND_GRID;
+    }
+    return distance(grid_from_world(faces[met].position_in_world), origin) + FROM_MEAN;
 }
 
 fn find_at(index: u32) {
@@ -46,12 +60,29 @@ fn find_at(index: u32) {
     let world_from_normal = basis(normal);
     let jitter = face_jitter(face);
     let is_due = is_due_to_look(index);
-    var passed = Passed(0u, true, 1.0);
+    let around = moved_box(RAY_CLASSES);
+    var outdated = 0u;
     for (var i = 0u; i < FACE_RAYS; i++) {
-        let place = index * HIT_WORDS + i;
-        if is_outdated(hits[place], index, i, is_due) {
-            let direction = world_from_normal * cell_cone(i, FACE_RAYS, jitter).direction;
-            hits[place] = trace_ray(Ray(origin, direction, 3e38, level), &passed).face + HIT_OFFSET;
+        let hit = hits[index * HIT_WORDS + i];
+        let direction = world_from_normal * cell_cone(i, FACE_RAYS, jitter).direction;
+        let end = origin + direction * reach_of(hit, origin);
+        let may_change = settings.boxes == 0u || may_meet(origin, Box(end, end), around);
+        outdated |= u32(is_outdated(hit, index, i, is_due, may_change)) << i;
+    }
+    // On wide machines, lanes trace their outdated rays together. The loop tests at its end, because
+    // software drivers run the body of a loop that tests at its start once more.
+    var passed = Passed(0u, true, 1.0);
+    loop {
+        let i = firstTrailingBit(outdated) % FACE_RAYS;
+        let direction = world_from_normal * cell_cone(i, FACE_RAYS, jitter).direction;
+        let reach = select(-1.0, 3e38, outdated != 0u);
+        let hit = trace_ray(Ray(origin, direction, reach, level), &passed);
+        if outdated != 0u {
+            hits[index * HIT_WORDS + i] = hit.face + HIT_OFFSET;
+        }
+        outdated &= outdated - 1u;
+        continuing {
+            break if outdated == 0u;
         }
     }
 }
@@ -94,9 +125,13 @@ fn beside(
         return;
     }
     let is_due = is_due_to_look(index);
+    let around = moved_box(RAY_CLASSES);
+    let position = grid_from_world(faces[index].position_in_world);
+    let may_change = settings.boxes == 0u
+        || (all(position >= around.low) && all(position <= around.high));
     for (var i = 0u; i < FACES_BESIDE; i++) {
         let place = index * HIT_WORDS + FIRST_BESIDE + i;
-        if is_outdated(hits[place], index, i, is_due) {
+        if is_outdated(hits[place], index, i, is_due, may_change) {
             let axis = ((faces[index].lobe >> 1u) + 1u + i / 2u) % 3u;
             hits[place] = face_beside(index, axis, select(-1.0, 1.0, (i & 1u) != 0u)) + HIT_OFFSET;
         }

@@ -14,17 +14,24 @@ fn gathered_at(index: u32, face: Face, level: u32) -> vec3f {
     if (face.flags & HIDDEN) != 0u {
         return vec3f(0.0);
     }
-    let world_from_normal = basis(normalize(face.vector_area));
-    let jitter = face_jitter(face);
     var sum = vec3f(0.0);
+    var open = 0u;
     for (var i = 0u; i < FACE_RAYS; i++) {
         let met = hits[index * HIT_WORDS + i] - HIT_OFFSET;
-        if met == NOTHING {
-            let local = cell_cone(i, FACE_RAYS, jitter);
-            let growth = cone_growth(local.tan_half_angle, local.direction.z, settings.cones);
-            sum += environment_radiance(world_from_normal * local.direction, growth);
-        } else {
-            sum += shown_by(met);
+        sum += shown_by(met);
+        open |= u32(met == NOTHING) << i;
+    }
+    // The rays that leave the grid, a loop of their own: in closed rooms there are none.
+    let world_from_normal = basis(normalize(face.vector_area));
+    let jitter = face_jitter(face);
+    loop {
+        let local = cell_cone(firstTrailingBit(open) % FACE_RAYS, FACE_RAYS, jitter);
+        let growth = cone_growth(local.tan_half_angle, local.direction.z, settings.cones);
+        let outside = environment_radiance(world_from_normal * local.direction, growth);
+        sum += select(vec3f(0.0), outside, open != 0u);
+        open &= open - 1u;
+        continuing {
+            break if open == 0u;
         }
     }
     return sum * (PI / f32(FACE_RAYS));

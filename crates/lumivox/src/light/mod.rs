@@ -34,9 +34,11 @@ use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
 use faces::{Faces, LightKernels};
-use turns::{Turn, Turns};
+use turns::{Shines, Turn, Turns};
 
 pub(crate) use faces::FAR_BYTES;
+#[cfg(test)]
+pub(crate) use faces::HIT_WORDS;
 pub use injection::{FaceLight, Injection, InjectionParts, Injector};
 pub(crate) use lights::lights_layout;
 pub use lights::{
@@ -58,7 +60,10 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("HIT_WORDS", faces::HIT_WORDS)
         .constant_u32("FAR_CELLS", faces::FAR_CELLS)
         .constant_u32("RAREST_CASCADE", turns::RAREST_CASCADE)
-        .constant_u32("RAY_CLASSES", turns::RAY_CLASSES);
+        .constant_u32("RAY_CLASSES", turns::RAY_CLASSES)
+        .constant_u32("MOVED_BOXES", turns::MOVED_BOXES)
+        .constant_f32("RELAXATION", turns::RELAXATION)
+        .constant_f32("MOMENTUM", turns::MOMENTUM);
 }
 
 /// `BounceSettings` of `turn.wgsl`.
@@ -73,6 +78,10 @@ pub(crate) struct BounceSettings {
     pub(crate) by_cascade: u32,
     pub(crate) is_list_new: u32,
     pub(crate) rays_anew: u32,
+    pub(crate) relaxes: u32,
+    pub(crate) shines_on_all: u32,
+    pub(crate) boxes: u32,
+    pub(crate) box_written: u32,
     pub(crate) padding: u32,
 }
 
@@ -111,8 +120,6 @@ pub(crate) struct Lighting {
     has_emission: bool,
     /// `true` if the faces have light that the volume can show with emission and without.
     is_lit: bool,
-    /// `true` if surface has moved since faces last traced all their rays.
-    has_moved: bool,
 }
 
 /// How the light of lamps is computed.
@@ -164,10 +171,9 @@ impl Lighting {
             grid: grid_group,
             settings: Staged::new(device, "bounce settings", bytes),
             faces: None,
-            turns: Turns::new(grid),
+            turns: Turns::new(grid, marches),
             has_emission: false,
             is_lit: false,
-            has_moved: false,
         })
     }
 
@@ -183,7 +189,6 @@ impl Lighting {
     pub(crate) fn bind(&mut self, recorder: &mut Recorder<'_>, next: Collected<'_>) -> bool {
         self.turns.surface_moved();
         self.is_lit = false;
-        self.has_moved = true;
         if self.faces.as_ref().is_some_and(|faces| faces.is_of(&next, self.has_emission)) {
             if let Some(faces) = &self.faces {
                 self.kernels.move_light(recorder, &self.grid, faces);
@@ -193,6 +198,7 @@ impl Lighting {
         let earlier = self.faces.take();
         let next = (next, self.has_emission);
         let faces = Faces::new(recorder, &self.kernels, self.settings.buffer(), next, earlier);
+        self.turns.replace_rays();
         self.kernels.move_light(recorder, &self.grid, &faces);
         if faces.has_replaced() {
             // Faces that were not in the previous list have not gathered yet.
@@ -281,8 +287,9 @@ impl Lighting {
     pub(crate) fn step(&mut self, recorder: &mut Recorder, lit: Lit<'_>, budget: Budget) -> bool {
         let Lit { volume, changes, lights, emitters, cones } = lit;
         let Some(faces) = &self.faces else { return false };
+        let versions = [lights.version, emitters.version()];
         let turn = match budget {
-            Budget::Bounces(bounces) => Some(self.turns.restart(lights.version, bounces)),
+            Budget::Bounces(bounces) => Some(self.turns.restart(versions, bounces)),
             Budget::Faces(most) => {
                 // With rays, only one setting affects the faces' light: the width of samples of the
                 // environment.
@@ -290,7 +297,7 @@ impl Lighting {
                 let width = settings.voxel_per_diameter;
                 let rays = TraceSettings { voxel_per_diameter: width, ..TraceSettings::default() };
                 let seen = if volume.is_marched() { *settings } else { rays };
-                self.turns.next(lights.version, (seen, values), faces.capacity(), most)
+                self.turns.next(versions, (seen, values), faces.capacity(), most)
             }
         };
         let Some(turn) = turn else { return false };
@@ -301,7 +308,7 @@ impl Lighting {
         set_bounce(&mut self.settings, recorder, cones, turn, has_emission);
         if turn.is_from_darkness {
             recorder.clear(faces.irradiance());
-            if std::mem::take(&mut self.has_moved) {
+            if turn.forgets_hits {
                 recorder.clear(faces.hits());
             }
         }
@@ -320,11 +327,16 @@ impl Lighting {
             }
         }
         let groups = [volume.globals(), &lights.group];
+        if turn.writes_box {
+            recorder.stage("face rays");
+            self.kernels.box_moved(recorder, &self.grid, faces);
+        }
         if turn.gathers > 0 || turn.shows_far {
-            recorder.stage("bounce");
+            recorder.stage("face rays");
             self.kernels.find(recorder, volume.globals(), faces);
         }
-        if turn.may_shine_anew {
+        if has_emission && turn.shines != Shines::OnNone {
+            recorder.stage("emitter rays");
             self.kernels.shine(recorder, groups, faces, turn);
         }
         for gather in 1..=turn.gathers {
@@ -421,6 +433,12 @@ impl Lighting {
         }
     }
 
+    /// `hits` of `turn.wgsl`.
+    #[cfg(test)]
+    pub(crate) fn hits(&self) -> Option<&Buffer> {
+        self.faces.as_ref().map(Faces::hits)
+    }
+
     /// The radiance of each face (`array<vec4f>`), for tests and views.
     pub(crate) fn radiance(&self) -> Option<&Buffer> {
         self.faces.as_ref().map(Faces::radiance)
@@ -444,6 +462,10 @@ fn set_bounce(
         by_cascade: u32::from(turn.is_by_cascade),
         is_list_new: u32::from(turn.is_list_new),
         rays_anew: turn.rays_anew,
+        relaxes: u32::from(turn.relaxes),
+        shines_on_all: u32::from(turn.shines == Shines::OnAll),
+        boxes: turn.boxes,
+        box_written: turn.box_written,
         padding: 0,
     };
     buffer.set(recorder, bytemuck::bytes_of(&settings));

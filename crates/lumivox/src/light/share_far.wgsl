@@ -14,43 +14,39 @@ import package::voxels::counts::ListCounts;
 @group(1) @binding(2) var<storage, read> far: array<u32>;
 @group(1) @binding(3) var<storage, read_write> shared_far: array<u32>;
 
-// For each cell: sums of radiance (rgb) and openness (a), and the number of faces that contributed.
-var<private> light: array<vec4f, FAR_CELLS>;
-var<private> known: array<f32, FAR_CELLS>;
-
-fn add(face: u32) {
-    let cells = far_cells();
-    for (var i = 0u; i < cells; i++) {
-        let packed = far[face * FAR_CELLS + i];
-        if packed != NO_FAR_LIGHT {
-            let its = unpack_far_light(packed);
-            light[i] += vec4f(its.radiance, its.openness);
-            known[i] += 1.0;
-        }
-    }
-}
-
 // `axis` is 0 or 1, for the two axes along the surface.
 fn share(face: u32, axis: u32) {
-    let cells = far_cells();
-    for (var i = 0u; i < cells; i++) {
-        light[i] = vec4f(0.0);
-        known[i] = 0.0;
-    }
-    add(face);
+    // The faces of the row; a place beyond its end repeats the face.
+    var row: array<u32, SHARING_FACES>;
+    var are_in_row: array<bool, SHARING_FACES>;
+    row[0] = face;
+    are_in_row[0] = true;
     for (var side = 0u; side < 2u; side++) {
         var next = face;
-        for (var i = 0u; i < SHARING_FACES / 2u && next < counts.faces; i++) {
-            next = beside[next * HIT_WORDS + FIRST_BESIDE + 2u * axis + side] - HIT_OFFSET;
-            if next < counts.faces {
-                add(next);
-            }
+        var is_in_row = true;
+        for (var i = 0u; i < SHARING_FACES / 2u; i++) {
+            let found = beside[next * HIT_WORDS + FIRST_BESIDE + 2u * axis + side] - HIT_OFFSET;
+            is_in_row = is_in_row && found < counts.faces;
+            next = select(next, found, is_in_row);
+            row[1u + side * (SHARING_FACES / 2u) + i] = next;
+            are_in_row[1u + side * (SHARING_FACES / 2u) + i] = is_in_row;
         }
     }
-    for (var i = 0u; i < cells; i++) {
-        let mean = light[i] / max(known[i], 1.0);
-        shared_far[face * FAR_CELLS + i] =
-            select(NO_FAR_LIGHT, pack_far_light(FarLight(mean.rgb, mean.a)), known[i] > 0.0);
+    let cells = far_cells();
+    for (var cell = 0u; cell < cells; cell++) {
+        // Radiance (rgb) and openness (a), and the number of faces that have some.
+        var sum = vec4f(0.0);
+        var known = 0.0;
+        for (var i = 0u; i < SHARING_FACES; i++) {
+            let packed = far[row[i] * FAR_CELLS + cell];
+            let its = unpack_far_light(packed);
+            let weight = select(0.0, 1.0, are_in_row[i] && packed != NO_FAR_LIGHT);
+            sum += weight * vec4f(its.radiance, its.openness);
+            known += weight;
+        }
+        let mean = sum / max(known, 1.0);
+        shared_far[face * FAR_CELLS + cell] =
+            select(NO_FAR_LIGHT, pack_far_light(FarLight(mean.rgb, mean.a)), known > 0.0);
     }
 }
 

@@ -1,13 +1,18 @@
-// The irradiance of faces straight from emitters. It changes only with the emitters, so later
-// gathers add the stored value.
+// The irradiance of faces straight from emitters. It changes only with the emitters and with surface
+// in front of them, so other gathers add the stored value.
 
 import package::cascades::cascade_of;
 import package::constants::{HIDDEN, LINEAR_WORKGROUP_SIZE};
+import package::emitters::cluster::{cluster_of, unite, unpack, Cluster};
+import package::emitters::draw::emitters;
+import package::emitters::emitter::emitter_of;
 import package::emitters::gather::gather_emitters;
 import package::gpu::dispatch::linear_index;
 import package::gpu::random::{hash, random_pair};
+import package::grid::grid_from_world;
 import package::light::turn::{
-    counts, face_in_turn, faces, first_fresh, is_fresh, keep_from_emitters, settings,
+    counts, face_in_turn, faces, first_fresh, irradiance, is_fresh, keep_from_emitters, may_meet,
+    moved_box, settings, Box,
 };
 import package::voxels::morton::morton_decode;
 
@@ -15,7 +20,32 @@ import package::voxels::morton::morton_decode;
 // average out over time; cones average it over many faces.
 const POINTS: u32 = 4u;
 
+// The box around all emitters.
+fn emitters_box() -> Box {
+    var all: Cluster;
+    if emitters.count == 1u {
+        all = cluster_of(emitter_of(emitters.records[0]));
+    } else {
+        // The root of their tree.
+        let node = emitters.records[emitters.count];
+        all = unite(unpack(node[0], node[1]), unpack(node[2], node[3]));
+    }
+    return Box(all.centre - all.half_size, all.centre + all.half_size);
+}
+
+// Whether the irradiance of a face may have changed.
+fn is_outdated(index: u32) -> bool {
+    if settings.shines_on_all != 0u || settings.boxes == 0u || index >= counts.fixed_faces
+        || irradiance[index].w == 0.0 {
+        return true;
+    }
+    return may_meet(grid_from_world(faces[index].position_in_world), emitters_box(), moved_box(1u));
+}
+
 fn shine_on(index: u32) {
+    if !is_outdated(index) {
+        return;
+    }
     let face = faces[index];
     if (face.flags & HIDDEN) != 0u {
         keep_from_emitters(index, vec3f(0.0));

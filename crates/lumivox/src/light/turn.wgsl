@@ -2,7 +2,7 @@
 
 import package::cascades::{cascade_of, voxel_of};
 import package::cones::cone::ConeSettings;
-import package::constants::{HIT_WORDS, RAREST_CASCADE};
+import package::constants::{HIT_WORDS, MOVED_BOXES, RAREST_CASCADE};
 import package::gpu::random::{hash, random_pair};
 import package::voxels::counts::ListCounts;
 import package::voxels::list::{Face, lobe_axis};
@@ -22,17 +22,29 @@ struct BounceSettings {
     is_list_new: u32,
     // The rays that are traced again: a bit for each of RAY_CLASSES, zero if nothing has moved.
     rays_anew: u32,
+    // Whether gathers are accelerated (bounce.wgsl).
+    relaxes: u32,
+    // Whether all faces sample emitters again, not only those whose view of them may have changed.
+    shines_on_all: u32,
+    // The number of boxes around surface that has moved since any ray was traced; zero if unknown.
+    boxes: u32,
+    // The place of the last of these boxes.
+    box_written: u32,
     padding: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: BounceSettings;
 @group(1) @binding(1) var<uniform> counts: ListCounts;
-@group(1) @binding(2) var<storage, read> faces: array<Face>;
+// Boxes around the voxels that dynamic surface touched after each of the last moves
+// (box_moved.wgsl), each of two vectors: FARTHEST minus its low corner, and its high corner; zeros
+// if there were none.
+@group(1) @binding(2) var<uniform> boxes: array<vec4u, 2 * MOVED_BOXES>;
+@group(1) @binding(3) var<storage, read> faces: array<Face>;
 // Gathered irradiance in rgb; w is 1 once a face has gathered.
-@group(1) @binding(3) var<storage, read_write> irradiance: array<vec4f>;
-// HIT_WORDS for each face: the hits of its FACE_RAYS rays, the adjacent faces (find.wgsl), and the
-// irradiance straight from emitters.
-@group(1) @binding(4) var<storage, read_write> hits: array<u32>;
+@group(1) @binding(4) var<storage, read_write> irradiance: array<vec4f>;
+// HIT_WORDS for each face: the hits of its FACE_RAYS rays, the adjacent faces (find.wgsl), the
+// irradiance straight from emitters, and the last step of the accelerated gathers.
+@group(1) @binding(5) var<storage, read_write> hits: array<u32>;
 
 const FACE_RAYS = 16u;
 
@@ -41,6 +53,7 @@ const FACE_RAYS = 16u;
 const FIRST_BESIDE = FACE_RAYS;
 const FACES_BESIDE = 4u;
 const FROM_EMITTERS = FIRST_BESIDE + FACES_BESIDE;
+const LAST_STEP = FROM_EMITTERS + 3u;
 
 // Hits are stored plus this offset; zero is unknown.
 const HIT_OFFSET = 4u;
@@ -80,6 +93,31 @@ fn keep_from_emitters(face: u32, irradiance_of_them: vec3f) {
     }
 }
 
+// The change of a face's irradiance by its last gather, stored in a word: three signed numbers of
+// nine bits with a common exponent.
+fn last_step(face: u32) -> vec3f {
+    let word = hits[face * HIT_WORDS + LAST_STEP];
+    let numbers = vec3i(vec3u(word << 23u, word << 14u, word << 5u)) >> vec3u(23u);
+    return vec3f(numbers) * power_of_two(i32(word >> 27u) - STEP_BIAS - 8);
+}
+
+fn keep_last_step(face: u32, step: vec3f) {
+    let most = max(max(abs(step.r), abs(step.g)), abs(step.b));
+    // The exponent of a power of two above `most`.
+    let above = i32(bitcast<u32>(most) >> 23u) - 126;
+    let exponent = clamp(above, -STEP_BIAS, 31 - STEP_BIAS);
+    let numbers = vec3i(clamp(round(step * power_of_two(8 - exponent)), vec3f(-255.0), vec3f(255.0)));
+    let bits = vec3u(numbers) & vec3u(0x1ffu);
+    hits[face * HIT_WORDS + LAST_STEP] =
+        bits.x | (bits.y << 9u) | (bits.z << 18u) | (u32(exponent + STEP_BIAS) << 27u);
+}
+
+const STEP_BIAS = 16;
+
+fn power_of_two(exponent: i32) -> f32 {
+    return bitcast<f32>(u32(exponent + 127) << 23u);
+}
+
 // The number of turns until all faces have gathered, if they are not grouped by cascade.
 fn turns() -> u32 {
     let most = max(settings.faces_at_a_time, 1u);
@@ -104,6 +142,47 @@ fn face_in_turn(place: u32) -> u32 {
     }
     let all = turns();
     return place * all + settings.turn % all;
+}
+
+const BOX_WORDS = 8u;
+const FARTHEST = 0xffffu;
+
+// Hits may change by this distance around surface that has moved, in voxels.
+const AROUND = 2.0;
+
+// A box in the grid's coordinates; empty if `low` is above `high`.
+struct Box {
+    low: vec3f,
+    high: vec3f,
+}
+
+// The box around the surface that moved at the last `moves` changes, before and after them.
+fn moved_box(moves: u32) -> Box {
+    var words = array<vec4u, 2>();
+    for (var i = 0u; i < min(settings.boxes, moves + 1u); i++) {
+        let place = 2u * ((settings.box_written + MOVED_BOXES - i) % MOVED_BOXES);
+        words[0] = max(words[0], boxes[place]);
+        words[1] = max(words[1], boxes[place + 1u]);
+    }
+    let low = vec3f(FARTHEST - words[0].xyz);
+    return Box(low - AROUND, select(vec3f(words[1].xyz) + AROUND, low - 2.0 * AROUND, words[1].x == 0u));
+}
+
+// Whether a line from a point to any point of a box `to` meets the box `around`. After the share t
+// of the way, these lines fill the box whose corners are at this share of the way to those of `to`.
+// Both boxes overlap if t satisfies a linear condition for each of their sides.
+fn may_meet(origin: vec3f, to: Box, around: Box) -> bool {
+    let to_low = to.low - origin;
+    let to_high = origin - to.high;
+    let low = select(to_low, vec3f(1e-9), abs(to_low) < vec3f(1e-9));
+    let high = select(to_high, vec3f(1e-9), abs(to_high) < vec3f(1e-9));
+    // t * low <= around.high - origin, and t * high <= origin - around.low.
+    let of_low = (around.high - origin) / low;
+    let of_high = (origin - around.low) / high;
+    let first = max(select(vec3f(0.0), of_low, low < vec3f(0.0)), select(vec3f(0.0), of_high, high < vec3f(0.0)));
+    let last = min(select(vec3f(1.0), of_low, low > vec3f(0.0)), select(vec3f(1.0), of_high, high > vec3f(0.0)));
+    let start = max(max(first.x, first.y), max(first.z, 0.0));
+    return start <= min(min(last.x, last.y), min(last.z, 1.0));
 }
 
 // The first face that may never have gathered.

@@ -4,7 +4,7 @@
 // sampling techniques for Monte Carlo rendering").
 
 import package::emitters::along::{emitter_along, point_along, Met};
-import package::emitters::draw::{draw_emitter, emitters, point_of, EmitterPoint};
+import package::emitters::draw::{draw_emitter, emitters, point_of, root_importances, EmitterPoint};
 import package::emitters::emitter::{emitter_of, strength, tree_levels, FAR};
 import package::emitters::gather::{candidate, trace_to};
 import package::grid::grid_from_world;
@@ -53,9 +53,11 @@ fn reflected_from(point: EmitterPoint, lobe: Lobe, normal_from_world: mat3x3f, g
 // that both ways of sampling use the same weights.
 fn expected_irradiance(surface: Surface) -> f32 {
     let place = grid_from_world(surface.position_in_world);
+    let root = root_importances(place, surface.geometric_normal);
     var sum = 0.0;
     for (var i = 0u; i < EXPECTING; i++) {
-        let point = point_of(draw_emitter(place, surface.geometric_normal, candidate(vec2f(0.5), i, EXPECTING)), place);
+        let numbers = candidate(vec2f(0.5), i, EXPECTING);
+        let point = point_of(draw_emitter(place, surface.geometric_normal, numbers, root), place);
         sum += strength(point.radiance) * max(dot(point.direction, surface.geometric_normal), 0.0) * point.solid_angle;
     }
     return max(sum / f32(EXPECTING), 1e-20);
@@ -121,8 +123,10 @@ fn reflect_emitters(
         }
     }
     let normal_from_world = transpose(world_from_normal);
+    let root = root_importances(place, surface.geometric_normal);
     for (var i = 0u; i < REFLECTED; i++) {
-        let point = point_of(draw_emitter(place, surface.geometric_normal, candidate(numbers, i, REFLECTED)), place);
+        let own = candidate(numbers, i, REFLECTED);
+        let point = point_of(draw_emitter(place, surface.geometric_normal, own, root), place);
         let light = reflected_from(point, lobe, normal_from_world, surface.geometric_normal, expected);
         choice = offer(choice, Met(point.index, point.distance), point.direction, light / f32(REFLECTED));
     }

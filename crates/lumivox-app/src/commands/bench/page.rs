@@ -5,7 +5,7 @@ use super::report::{Figures, Part, Report, Row};
 
 /// Stages of the library that columns of the tables sum up.
 const VOXELIZE: &[&str] = &["voxelize", "volume", "changes"];
-const LIGHT: &[&str] = &["shadow maps", "light", "bounce", "filter"];
+const LIGHT: &[&str] = &["shadow maps", "light", "face rays", "emitter rays", "bounce", "filter"];
 const TRACE: &[&str] = &["trace"];
 
 /// The page, with the figures of a published report beside those of cases with the same name.
