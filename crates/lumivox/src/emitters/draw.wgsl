@@ -50,7 +50,7 @@ fn importances(node: u32, place: vec3f, normal: vec3f) -> vec2f {
     );
 }
 
-// Those of the root's children: the same for all emitters sampled for a place.
+// The contributions of the root's children, which all draws for a place share.
 fn root_importances(place: vec3f, normal: vec3f) -> vec2f {
     return select(importances(emitters.count, place, normal), vec2f(1.0, 0.0), emitters.count == 1u);
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::light::HIT_WORDS;
 
 /// The word of a face that is not a result of its rays: the step of its last gather.
-const LAST_STEP: usize = HIT_WORDS as usize - 1;
+const STEP_WORD: usize = HIT_WORDS as usize - 1;
 
 /// A closed room with a panel below its ceiling and a box that moves.
 fn room() -> SceneBuilder {
@@ -23,7 +23,7 @@ fn rays(stage: &Stage) -> Vec<u32> {
     let count = stage.gi.voxels().expect("there is a list").face_count as usize;
     let hits = stage.gi.face_hits().expect("there is light");
     let mut words: Vec<u32> = read(&stage.device, &stage.queue, hits, count * HIT_WORDS as usize);
-    words.iter_mut().skip(LAST_STEP).step_by(HIT_WORDS as usize).for_each(|word| *word = 0);
+    words.iter_mut().skip(STEP_WORD).step_by(HIT_WORDS as usize).for_each(|word| *word = 0);
     words
 }
 

@@ -3,7 +3,7 @@
 
 import package::constants::{LINEAR_WORKGROUP_SIZE, MOVED_BOXES};
 import package::gpu::dispatch::linear_index;
-import package::light::turn::{BounceSettings, BOX_WORDS, FARTHEST};
+import package::light::turn::{BounceSettings, BOX_WORDS, MOST_COORDINATE};
 import package::voxels::counts::ListCounts;
 import package::voxels::list::Face;
 import package::voxels::morton::morton_decode;
@@ -32,7 +32,7 @@ fn main(
     if face < counts.faces {
         let voxel = morton_decode(faces[face].cell);
         for (var axis = 0u; axis < 3u; axis++) {
-            atomicMax(&around_group[axis], FARTHEST - voxel[axis]);
+            atomicMax(&around_group[axis], MOST_COORDINATE - voxel[axis]);
             atomicMax(&around_group[4u + axis], voxel[axis] + 1u);
         }
     }

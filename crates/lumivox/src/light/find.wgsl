@@ -36,11 +36,12 @@ fn is_due_to_look(index: u32) -> bool {
     return is_in_turn(index) || (index >= first_fresh() && is_fresh(index));
 }
 
-// A distance from a ray's start within which it met a face; hits are less than this far from the
-// mean position of their face, in voxels.
+// Maximum distance of a hit from the mean position of its face, in voxels.
 const FROM_MEAN = 4.0;
+// More than the extent of a grid.
 const BEYOND_GRID = 65536.0;
 
+// A distance within which a ray has met the surface of its hit.
 fn reach_of(hit: u32, origin: vec3f) -> f32 {
     let met = hit - HIT_OFFSET;
     if hit == UNKNOWN || met >= UNLIT {
@@ -69,7 +70,7 @@ fn find_at(index: u32) {
         let may_change = settings.boxes == 0u || may_meet(origin, Box(end, end), around);
         outdated |= u32(is_outdated(hit, index, i, is_due, may_change)) << i;
     }
-    // On wide machines, lanes trace their outdated rays together. The loop tests at its end, because
+    // On wide machines, lanes trace their outdated rays together. The loop tests at its end:
     // software drivers run the body of a loop that tests at its start once more.
     var passed = Passed(0u, true, 1.0);
     loop {

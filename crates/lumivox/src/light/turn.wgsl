@@ -36,8 +36,8 @@ struct BounceSettings {
 @group(1) @binding(0) var<uniform> settings: BounceSettings;
 @group(1) @binding(1) var<uniform> counts: ListCounts;
 // Boxes around the voxels that dynamic surface touched after each of the last moves
-// (box_moved.wgsl), each of two vectors: FARTHEST minus its low corner, and its high corner; zeros
-// if there were none.
+// (box_moved.wgsl). Each is two vectors: MOST_COORDINATE minus its low corner, and its high corner;
+// zeros if there were no such voxels.
 @group(1) @binding(2) var<uniform> boxes: array<vec4u, 2 * MOVED_BOXES>;
 @group(1) @binding(3) var<storage, read> faces: array<Face>;
 // Gathered irradiance in rgb; w is 1 once a face has gathered.
@@ -93,6 +93,9 @@ fn keep_from_emitters(face: u32, irradiance_of_them: vec3f) {
     }
 }
 
+// Added to exponents of steps, so that none is negative.
+const STEP_BIAS = 16;
+
 // The change of a face's irradiance by its last gather, stored in a word: three signed numbers of
 // nine bits with a common exponent.
 fn last_step(face: u32) -> vec3f {
@@ -111,8 +114,6 @@ fn keep_last_step(face: u32, step: vec3f) {
     hits[face * HIT_WORDS + LAST_STEP] =
         bits.x | (bits.y << 9u) | (bits.z << 18u) | (u32(exponent + STEP_BIAS) << 27u);
 }
-
-const STEP_BIAS = 16;
 
 fn power_of_two(exponent: i32) -> f32 {
     return bitcast<f32>(u32(exponent + 127) << 23u);
@@ -145,7 +146,8 @@ fn face_in_turn(place: u32) -> u32 {
 }
 
 const BOX_WORDS = 8u;
-const FARTHEST = 0xffffu;
+// More than any coordinate of a box.
+const MOST_COORDINATE = 0xffffu;
 
 // Hits may change by this distance around surface that has moved, in voxels.
 const AROUND = 2.0;
@@ -164,7 +166,7 @@ fn moved_box(moves: u32) -> Box {
         words[0] = max(words[0], boxes[place]);
         words[1] = max(words[1], boxes[place + 1u]);
     }
-    let low = vec3f(FARTHEST - words[0].xyz);
+    let low = vec3f(MOST_COORDINATE - words[0].xyz);
     return Box(low - AROUND, select(vec3f(words[1].xyz) + AROUND, low - 2.0 * AROUND, words[1].x == 0u));
 }
 

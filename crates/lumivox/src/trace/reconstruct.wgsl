@@ -24,8 +24,8 @@ import package::voxelize::reproducible::is_finite;
 // Differences below this multiple of their noise are noise.
 const CERTAIN: f32 = 3.0;
 
-// The light of 5 x 5 traced pixels around a pixel, and their fit to its surface.
-var<private> light: array<vec4f, 25>;
+// The brightness of 5 x 5 traced pixels around a pixel, and their fit to its surface.
+var<private> brightnesses: array<f32, 25>;
 var<private> shares: array<f32, 25>;
 
 // The variance of a traced pixel's noise, estimated by a filter that removes uniform areas and
@@ -42,7 +42,7 @@ fn noise_variance() -> f32 {
             let y = j / 3 - 1;
             let part = f32((2 - 3 * abs(x)) * (2 - 3 * abs(y)));
             let place = centre + x + 5 * y;
-            rest += part * brightness(light[place].rgb);
+            rest += part * brightnesses[place];
             least = min(least, shares[place]);
         }
         sum += least * rest * rest / 36.0;
@@ -73,13 +73,15 @@ fn gathered_beside(centre: vec2u, surface: Surface, own: vec4f) -> vec4f {
         let gathered = textureLoad(irradiance_in, place, 0);
         // NaN must not spread to the pixels around.
         let is_light = other.depth > 0.0 && is_finite(gathered.rgb);
-        light[i] = select(vec4f(0.0), gathered, is_light);
-        shares[i] = select(0.0, fit(between, other.shading_normal, surface), is_light);
-        wide += shares[i] * light[i];
-        wide_weight += shares[i];
+        let light = select(vec4f(0.0), gathered, is_light);
+        let weight = select(0.0, fit(between, other.shading_normal, surface), is_light);
+        brightnesses[i] = brightness(light.rgb);
+        shares[i] = weight;
+        wide += weight * light;
+        wide_weight += weight;
         if all(abs(offset) < vec2i(2)) {
-            near += shares[i] * light[i];
-            near_weight += shares[i];
+            near += weight * light;
+            near_weight += weight;
         }
     }
     if near_weight < 0.5 {
