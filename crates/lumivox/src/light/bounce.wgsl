@@ -12,9 +12,9 @@ import package::light::turn::{
 import package::light::gather_method::gathered_at;
 import package::voxels::morton::morton_decode;
 
-// The irradiance after a gather that found `sum`: beyond it by the momentum of earlier gathers. A
-// channel whose change turns round takes the sum itself. Without this, light between two walls
-// closer than a voxel would swing more and more.
+// The irradiance after a gather that found `sum`: it goes beyond the sum, and continues a share of
+// the last step. A channel whose change reverses its sign takes the sum itself. Otherwise light
+// between two walls closer than a voxel would diverge.
 fn relaxed(index: u32, before: vec3f, sum: vec3f) -> vec3f {
     let change = sum - before;
     let last = last_step(index);

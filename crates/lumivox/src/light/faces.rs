@@ -10,8 +10,8 @@ use crate::volume::changes::Shown;
 use crate::voxelize::{Collected, Moving};
 use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList};
 
-/// Words per face in `hits`: the hits of its rays, its adjacent faces, and its irradiance from
-/// emitters.
+/// Words per face in `hits`: the hits of its rays, its adjacent faces, its irradiance from
+/// emitters, and the step of its last gather.
 pub(crate) const HIT_WORDS: u32 = 24;
 const HIT_BYTES: u64 = 4 * HIT_WORDS as u64;
 
@@ -175,9 +175,6 @@ impl LightKernels {
 
     /// Finds the box around the voxels that dynamic surface touches.
     pub fn box_moved(&self, recorder: &mut Recorder<'_>, grid: &BindGroup, faces: &Faces) {
-        if faces.moving_capacity == 0 {
-            return;
-        }
         let [empty, main] = &self.box_moved;
         let groups = [grid, &faces.box_moved];
         recorder.compute("light::box_moved", |pass| {
@@ -311,7 +308,7 @@ pub(super) struct Faces {
     held: Buffer,
     /// `true` if there are emitters. If `false`, `reflected` is empty.
     has_emission: bool,
-    /// The hits of the faces' rays, the adjacent faces, and irradiance straight from emitters
+    /// The hits of the faces' rays, the adjacent faces, irradiance from emitters, and last steps
     /// (`turn.wgsl`).
     hits: Buffer,
     /// `None` if cones march.

@@ -21,9 +21,9 @@ import package::voxels::morton::morton_decode;
 
 const UNKNOWN = 0u;
 
-// Whether a hit or adjacent face has to be found again: if it was never found, or if its group is
-// due after surface has moved, and `may_change`. In any turn after surface has moved: if one of the
-// two faces is dynamic, so that its place in the list varies.
+// Whether a hit or adjacent face has to be found again. In the face's turn: if it was never found,
+// or if its group is due and moved surface may be in its way (`may_change`). In any turn after
+// surface has moved: if one of the two faces is dynamic, so that its place in the list varies.
 fn is_outdated(hit: u32, face: u32, ray: u32, is_due: bool, may_change: bool) -> bool {
     let met = hit - HIT_OFFSET;
     let is_moving = face >= counts.fixed_faces || (met >= counts.fixed_faces && met < UNLIT);
@@ -67,7 +67,8 @@ fn find_at(index: u32) {
         let hit = hits[index * HIT_WORDS + i];
         let direction = world_from_normal * cell_cone(i, FACE_RAYS, jitter).direction;
         let end = origin + direction * reach_of(hit, origin);
-        let may_change = settings.boxes == 0u || may_meet(origin, Box(end, end), around);
+        let may_change = settings.rays_anew != 0u
+            && (settings.boxes == 0u || may_meet(origin, Box(end, end), around));
         outdated |= u32(is_outdated(hit, index, i, is_due, may_change)) << i;
     }
     // On wide machines, lanes trace their outdated rays together. The loop tests at its end:

@@ -8,7 +8,7 @@
 //! direct evaluation.
 //!
 //! The irradiance that faces have gathered is kept. A still image starts from darkness and gathers
-//! once for each bounce ([`Budget::Bounces`]); a frame continues from the previous frame
+//! for a number of bounces ([`Budget::Bounces`]); a frame continues from the previous frame
 //! ([`Budget::Faces`]), so that light travels one bounce a frame, and converges to the same result.
 //! [`Lighting::step`] does both.
 
@@ -36,9 +36,7 @@ use crate::{GiError, Grid};
 use faces::{Faces, LightKernels};
 use turns::{Shines, Turn, Turns};
 
-pub(crate) use faces::FAR_BYTES;
-#[cfg(test)]
-pub(crate) use faces::HIT_WORDS;
+pub(crate) use faces::{FAR_BYTES, HIT_WORDS};
 pub use injection::{FaceLight, Injection, InjectionParts, Injector};
 pub(crate) use lights::lights_layout;
 pub use lights::{
@@ -57,7 +55,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("SHADOW_NONE", lights::SHADOW_NONE)
         .constant_u32("SHADOW_MAP", lights::SHADOW_MAP)
         .constant_u32("SHADOW_CONE", lights::SHADOW_CONE)
-        .constant_u32("HIT_WORDS", faces::HIT_WORDS)
+        .constant_u32("HIT_WORDS", HIT_WORDS)
         .constant_u32("FAR_CELLS", faces::FAR_CELLS)
         .constant_u32("RAREST_CASCADE", turns::RAREST_CASCADE)
         .constant_u32("RAY_CLASSES", turns::RAY_CLASSES)
@@ -89,7 +87,7 @@ pub(crate) struct BounceSettings {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Budget {
     /// All light, starting from darkness: direct light, then a gather for each bounce except the
-    /// last, which pixels gather.
+    /// last, which pixels gather. From eight bounces on, fewer gathers that are accelerated.
     Bounces(u32),
     /// One gather of at most this number of faces, which continues from the current light. `None`:
     /// all faces; with cascades, those of coarse cascades less often.
@@ -116,6 +114,8 @@ pub(crate) struct Lighting {
     settings: Staged,
     faces: Option<Faces>,
     turns: Turns,
+    /// `true` if there ever was dynamic surface.
+    has_moving: bool,
     /// `true` if there are emitters.
     has_emission: bool,
     /// `true` if the faces have light that the volume can show with emission and without.
@@ -172,6 +172,7 @@ impl Lighting {
             settings: Staged::new(device, "bounce settings", bytes),
             faces: None,
             turns: Turns::new(grid, marches),
+            has_moving: false,
             has_emission: false,
             is_lit: false,
         })
@@ -188,6 +189,7 @@ impl Lighting {
     /// bound to new buffers.
     pub(crate) fn bind(&mut self, recorder: &mut Recorder<'_>, next: Collected<'_>) -> bool {
         self.turns.surface_moved();
+        self.has_moving = next.has_moving;
         self.is_lit = false;
         if self.faces.as_ref().is_some_and(|faces| faces.is_of(&next, self.has_emission)) {
             if let Some(faces) = &self.faces {
@@ -327,11 +329,11 @@ impl Lighting {
             }
         }
         let groups = [volume.globals(), &lights.group];
-        if turn.writes_box {
+        if turn.writes_box && self.has_moving {
             recorder.stage("face rays");
             self.kernels.box_moved(recorder, &self.grid, faces);
         }
-        if turn.gathers > 0 || turn.shows_far {
+        if turn.finds && (turn.gathers > 0 || turn.shows_far) {
             recorder.stage("face rays");
             self.kernels.find(recorder, volume.globals(), faces);
         }

@@ -1,5 +1,5 @@
 // The irradiance of faces straight from emitters. It changes only with the emitters and the surface
-// in front of them. Other gathers add the stored value.
+// in front of them. Each gather adds the stored value.
 
 import package::cascades::cascade_of;
 import package::constants::{HIDDEN, LINEAR_WORKGROUP_SIZE};

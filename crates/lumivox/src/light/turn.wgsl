@@ -26,7 +26,8 @@ struct BounceSettings {
     relaxes: u32,
     // Whether all faces sample emitters again, not only those whose view of them may have changed.
     shines_on_all: u32,
-    // The number of boxes around surface that has moved since any ray was traced; zero if unknown.
+    // Number of latest boxes that cover all surface moved since the oldest stored hit was traced;
+    // zero if unknown.
     boxes: u32,
     // The place of the last of these boxes.
     box_written: u32,
@@ -158,7 +159,7 @@ struct Box {
     high: vec3f,
 }
 
-// The box around the surface that moved at the last `moves` changes, before and after them.
+// The box around dynamic surface before and after the last `moves` moves.
 fn moved_box(moves: u32) -> Box {
     var words = array<vec4u, 2>();
     for (var i = 0u; i < min(settings.boxes, moves + 1u); i++) {

@@ -7,13 +7,13 @@ use crate::cones::TraceSettings;
 /// thousandth of the change is missing after them; in most rooms far less.
 const SETTLING_GATHERS: u32 = 32;
 
-/// Number of accelerated gathers that leave no more of a change.
+/// As [`SETTLING_GATHERS`], for accelerated gathers.
 const SETTLING_RELAXED: u32 = 22;
 
 /// Gathers of every face after a change until less than a hundredth of it is missing.
 const NEARLY_SETTLED_GATHERS: u32 = 9;
 
-/// Number of accelerated gathers that leave no more of a change.
+/// As [`NEARLY_SETTLED_GATHERS`], for accelerated gathers.
 const NEARLY_SETTLED_RELAXED: u32 = 6;
 
 /// Factors of accelerated gathers (heavy ball: Polyak 1964): of the change that a gather has found,
@@ -64,14 +64,16 @@ pub(super) struct Turn {
     pub rays_anew: u32,
     /// `true` if gathers are accelerated.
     pub relaxes: bool,
+    /// `true` if faces may have outdated or unknown hits.
+    pub finds: bool,
     /// `true` if all hits and the light from emitters are found again, because surface has moved.
     pub forgets_hits: bool,
     /// `true` if the box around dynamic surface is found and written to the place `box_written`.
     pub writes_box: bool,
     /// Place of the last box.
     pub box_written: u32,
-    /// Number of last boxes around all surface that has moved since any ray was traced; 0 if
-    /// unknown.
+    /// Number of latest boxes that cover all surface moved since the oldest stored hit was traced;
+    /// 0 if unknown.
     pub boxes: u32,
 }
 
@@ -128,10 +130,14 @@ pub(super) struct Turns {
     /// Boxes since all rays were traced, at most [`MOVED_BOXES`].
     boxes: u32,
     box_written: u32,
-    /// `true` if these boxes are around all surface that has moved since any ray was traced.
+    /// `true` if these boxes cover all surface moved since the oldest stored hit was traced.
     are_boxes_complete: bool,
     /// `true` if all rays are traced in the turn of the next box.
     are_rays_new: bool,
+    /// Frames until all faces have looked for outdated hits.
+    finds: u64,
+    /// Frames until all faces have gathered, at the last call of [`Self::next`].
+    turns: u64,
     /// `true` if surface has moved since the last solve from darkness.
     has_moved: bool,
     /// `true` if the list is the first, or has replaced an earlier one.
@@ -153,7 +159,7 @@ impl Turns {
         Self { has_cascades: grid.cascades.is_some(), marches, ..Self::default() }
     }
 
-    /// Restarts the schedule after light has changed.
+    /// Restarts the schedule after light has changed, including that of emitters.
     pub fn disturb(&mut self) {
         (self.is_disturbed, self.is_unlit) = (true, true);
     }
@@ -188,7 +194,7 @@ impl Turns {
         let relaxes = bounces >= RELAXED_BOUNCES && !self.marches;
         let mut gathers = bounces.saturating_sub(1);
         if relaxes {
-            // As much light as by a half more plain gathers, or more.
+            // As much light as by a half more plain gathers, if surfaces reflect 70 % or less.
             gathers -= (gathers - 1) / 3;
         }
         let forgets_hits = std::mem::take(&mut self.has_moved);
@@ -198,7 +204,10 @@ impl Turns {
         let shines = if is_lit || gathers == 0 { Shines::OnNone } else { Shines::OnAll };
         self.is_unlit = !is_lit && gathers == 0;
         self.shines = (Shines::OnNone, 0);
-        self.rays = Rays::Traced;
+        let finds = forgets_hits || self.finds > 0;
+        // Without bounces, rays are traced in the next frame.
+        self.rays = if bounces == 0 && finds { Rays::Outdated } else { Rays::Traced };
+        self.finds = 0;
         (self.boxes, self.are_rays_new) = (0, true);
         self.add_box();
         (self.lights, self.emitters) = (Some(lights), Some(emitters));
@@ -218,6 +227,7 @@ impl Turns {
             number: 0,
             rays_anew: 0,
             relaxes,
+            finds,
             forgets_hits,
             writes_box: true,
             box_written: self.box_written,
@@ -255,6 +265,17 @@ impl Turns {
         };
         self.nearly_settled = u64::from(settling) * turns - u64::from(nearly) * turns_of_finest;
         let done = self.solved.take();
+        let before = std::mem::replace(&mut self.turns, turns).max(1);
+        if before != turns {
+            // Otherwise, faces that would have had their turn later would be left out.
+            self.left = self.left.div_ceil(before) * turns;
+            if self.finds > 0 {
+                self.rays = Rays::Outdated;
+            }
+            if self.shines.1 > 0 {
+                self.is_unlit = true;
+            }
+        }
         if std::mem::take(&mut self.is_unlit) | are_emitters_new {
             self.shines = (Shines::OnAll, turns);
         } else if self.rays == Rays::Outdated {
@@ -270,14 +291,16 @@ impl Turns {
         if writes_box {
             self.add_box();
         }
-        if turns > 1 {
-            // Groups of rays are not traced again in every RAY_CLASSES frames.
+        if turns > 1 || self.has_cascades {
+            // In turns, a group of rays may wait longer than RAY_CLASSES frames, so the kept boxes
+            // do not suffice. Voxels of cascades have other coordinates.
             (self.boxes, self.are_boxes_complete) = (0, false);
         }
         if self.rays == Rays::Outdated {
             // Faces that take turns trace all their rays in one turn.
             let all_at_once = turns > 1;
             let frames = if all_at_once { turns } else { RAY_CLASSES.into() };
+            self.finds = frames;
             self.rays = Rays::Renewed { frames, all_at_once };
         }
         (self.lights, self.cones) = (Some(lights), cones);
@@ -290,6 +313,8 @@ impl Turns {
         let shows_far = is_direct_new
             || gathers < SHOWN_GATHERS[0].into()
             || (self.left.is_multiple_of(turns) && SHOWN_GATHERS.iter().any(is_shown));
+        let finds = self.finds > 0;
+        self.finds = self.finds.saturating_sub(1);
         let rays_anew = match &mut self.rays {
             Rays::Renewed { frames, all_at_once } if *frames > 0 => {
                 *frames -= 1;
@@ -310,6 +335,7 @@ impl Turns {
             rays_anew,
             // The first gather is plain: it replaces light by what arrives at once.
             relaxes: can_relax && gathers > 1,
+            finds,
             forgets_hits: false,
             writes_box,
             box_written: self.box_written,
@@ -355,6 +381,28 @@ mod tests {
         let mut marching = Turns { marches: true, ..Turns::default() };
         assert!(!marching.restart([1; 2], 17).relaxes);
         assert_eq!(std::iter::from_fn(|| next(&mut marching, None)).count(), 16);
+    }
+
+    #[test]
+    fn boxes_are_used_only_if_every_ray_was_traced_since() {
+        let mut turns = Turns::default();
+        turns.restart([1; 2], 17);
+        for moves in 2..8 {
+            turns.surface_moved();
+            let turn = next(&mut turns, None).expect("a turn");
+            assert!(turn.writes_box && turn.finds && turn.boxes == moves.min(MOVED_BOXES));
+        }
+        assert!((0..3).all(|_| next(&mut turns, None).is_some_and(|turn| turn.finds)));
+        assert!(!next(&mut turns, None).expect("a turn").finds);
+        // In turns, after a change of the budget, and with cascades, all hits are found again.
+        turns.surface_moved();
+        assert_eq!(next(&mut turns, Some(25)).expect("a turn").boxes, 0);
+        let changed = next(&mut turns, Some(50)).expect("a turn");
+        assert!(changed.finds && changed.rays_anew != 0 && changed.boxes == 0);
+        let mut cascades = Turns { has_cascades: true, ..Turns::default() };
+        cascades.restart([1; 2], 17);
+        cascades.surface_moved();
+        assert_eq!(next(&mut cascades, Some(100)).expect("a turn").boxes, 0);
     }
 
     #[test]

@@ -36,7 +36,7 @@ fn pack_far_light(light: FarLight) -> u32 {
 
 fn unpack_far_light(packed: u32) -> FarLight {
     let parts = vec3f(vec3u(packed, packed >> 8u, packed >> 16u) & vec3u(255u));
-    // Two to the power of the exponent minus 15 + 8.
+    // Two to the power of the exponent minus 23 (bias 15, 8 bits).
     let scale = bitcast<f32>(((packed >> 27u) + (127u - 23u)) << 23u);
     return FarLight(parts * scale, f32((packed >> 24u) & 7u) / 7.0);
 }

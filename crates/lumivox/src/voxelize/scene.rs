@@ -93,6 +93,8 @@ pub(crate) struct Collected<'a> {
     pub replaced: Option<&'a VoxelList>,
     /// The faces that the list will get for dynamic surface.
     pub moving: Moving<'a>,
+    /// `true` if there ever were dynamic draws.
+    pub has_moving: bool,
     /// The list's grid.
     pub grid: &'a Grid,
 }
@@ -235,7 +237,8 @@ impl VoxelizedScene {
     pub(crate) fn collected(&self) -> Option<Collected<'_>> {
         let list = self.list.as_ref().filter(|_| self.is_collected)?;
         let moving = self.union.as_ref()?.moving()?;
-        Some(Collected { list, replaced: self.replaced.as_ref(), moving, grid: &self.grid })
+        let (replaced, has_moving) = (self.replaced.as_ref(), self.has_moving());
+        Some(Collected { list, replaced, moving, has_moving, grid: &self.grid })
     }
 
     /// The shares: static and dynamic.
