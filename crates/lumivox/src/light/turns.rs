@@ -112,6 +112,7 @@ enum Rays {
 }
 
 /// The schedule of gathers since the last change.
+#[allow(clippy::struct_excessive_bools, reason = "independent facts about the schedule")]
 #[derive(Debug, Default)]
 pub(super) struct Turns {
     number: u32,
@@ -136,8 +137,8 @@ pub(super) struct Turns {
     are_rays_new: bool,
     /// Frames until all faces have looked for outdated hits.
     finds: u64,
-    /// Frames until all faces have gathered, at the last call of [`Self::next`].
-    turns: u64,
+    /// Frames of a gather of all faces, at the last call of [`Self::next`].
+    frames_of_gather: u64,
     /// `true` if surface has moved since the last solve from darkness.
     has_moved: bool,
     /// `true` if the list is the first, or has replaced an earlier one.
@@ -265,7 +266,7 @@ impl Turns {
         };
         self.nearly_settled = u64::from(settling) * turns - u64::from(nearly) * turns_of_finest;
         let done = self.solved.take();
-        let before = std::mem::replace(&mut self.turns, turns).max(1);
+        let before = std::mem::replace(&mut self.frames_of_gather, turns).max(1);
         if before != turns {
             // Otherwise, faces that would have had their turn later would be left out.
             self.left = self.left.div_ceil(before) * turns;
