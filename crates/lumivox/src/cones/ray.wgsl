@@ -163,7 +163,7 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             if (block_bits & (1u << (block % 32u))) == 0u {
                 // The same one level up: 16 x 16 x 16 and 32 x 32 x 32.
                 step = select(8, 16, CASCADES == 0u && ((block_bits >> (block & 24u)) & 0xffu) == 0u);
-                if CASCADES == 0u && (block_bits | index[blocks + (block / 32u ^ 1u)]) == 0u {
+                if CASCADES == 0u && (block_bits | index[blocks + ((block / 32u) ^ 1u)]) == 0u {
                     step = 32;
                 }
             } else if (bits | index[2u * (word ^ 1u)]) == 0u {
