@@ -161,7 +161,7 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             var step = select(1, 2, ((bits >> (code & 24u)) & 0xffu) == 0u);
             let block_bits = index[blocks + block / 32u];
             if (block_bits & (1u << (block % 32u))) == 0u {
-                // Blocks of 16 x 16 x 16 are a byte of the bits of blocks, of 32 x 32 x 32 two words.
+                // Blocks of 16 x 16 x 16 are a byte of these bits, of 32 x 32 x 32 two words.
                 step = select(8, 16, CASCADES == 0u && ((block_bits >> (block & 24u)) & 0xffu) == 0u);
                 if CASCADES == 0u && (block_bits | index[blocks + ((block / 32u) ^ 1u)]) == 0u {
                     step = 32;
