@@ -198,19 +198,22 @@ impl Turns {
             // As much light as by a half more plain gathers, if surfaces reflect 70 % or less.
             gathers -= (gathers - 1) / 3;
         }
-        let forgets_hits = std::mem::take(&mut self.has_moved);
-        let is_lit = !(forgets_hits || self.is_unlit)
-            && self.shines.1 == 0
-            && self.emitters == Some(emitters);
+        let has_moved = self.has_moved;
+        let is_lit =
+            !(has_moved || self.is_unlit) && self.shines.1 == 0 && self.emitters == Some(emitters);
         let shines = if is_lit || gathers == 0 { Shines::OnNone } else { Shines::OnAll };
         self.is_unlit = !is_lit && gathers == 0;
         self.shines = (Shines::OnNone, 0);
-        let finds = forgets_hits || self.finds > 0;
-        // Without bounces, rays are traced in the next frame.
-        self.rays = if bounces == 0 && finds { Rays::Outdated } else { Rays::Traced };
-        self.finds = 0;
-        (self.boxes, self.are_rays_new) = (0, true);
-        self.add_box();
+        // Without bounces no hits are found: those of moved surface stay outdated.
+        let traces = bounces > 0;
+        let finds = traces && (has_moved || self.finds > 0);
+        if traces {
+            (self.has_moved, self.finds, self.rays) = (false, 0, Rays::Traced);
+            (self.boxes, self.are_rays_new) = (0, true);
+            self.add_box();
+        } else if self.finds > 0 {
+            self.rays = Rays::Outdated;
+        }
         (self.lights, self.emitters) = (Some(lights), Some(emitters));
         self.cones = None;
         self.solved = Some(gathers);
@@ -221,7 +224,7 @@ impl Turns {
             gathers,
             is_direct_new: true,
             shines,
-            shows_far: bounces > 0,
+            shows_far: traces,
             faces: u32::MAX,
             is_by_cascade: false,
             is_list_new: false,
@@ -229,8 +232,8 @@ impl Turns {
             rays_anew: 0,
             relaxes,
             finds,
-            forgets_hits,
-            writes_box: true,
+            forgets_hits: traces && has_moved,
+            writes_box: traces,
             box_written: self.box_written,
             boxes: 0,
         }
@@ -382,6 +385,20 @@ mod tests {
         let mut marching = Turns { marches: true, ..Turns::default() };
         assert!(!marching.restart([1; 2], 17).relaxes);
         assert_eq!(std::iter::from_fn(|| next(&mut marching, None)).count(), 16);
+    }
+
+    #[test]
+    fn hits_stay_outdated_until_light_bounces() {
+        let mut turns = Turns::default();
+        turns.surface_moved();
+        let dark = turns.restart([1; 2], 0);
+        assert!(!dark.finds && !dark.forgets_hits && !dark.writes_box);
+        let lit = turns.restart([1; 2], 1);
+        assert!(lit.finds && lit.forgets_hits && lit.writes_box);
+        assert!(!turns.restart([1; 2], 1).finds);
+        turns.surface_moved();
+        turns.restart([1; 2], 0);
+        assert!(next(&mut turns, None).is_some_and(|turn| turn.finds && turn.writes_box));
     }
 
     #[test]
