@@ -38,6 +38,7 @@ pub fn run(args: &DynamicArgs, host: &Host) -> anyhow::Result<()> {
     let mut scene = args.scene.load(&progress)?;
     mark(&mut scene, args.share);
     let config = settings.gi_config(grid(&settings, &scene)?);
+    let config = GiConfig { keeps_cells: true, ..config };
     progress.set("uploading", 0, 1);
     let uploaded = upload(&gpu, &scene)?;
     let report = measure(&gpu, &scene, &uploaded, &config, args.moves, &progress)?;

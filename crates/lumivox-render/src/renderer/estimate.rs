@@ -23,11 +23,14 @@ use crate::{Gpu, MemoryUse, RenderError, RenderSettings, ShadowMethod};
 /// Faces per voxel; 0.9 to 1.9 on the built-in scenes.
 const FACES_PER_VOXEL: f64 = 1.4;
 /// Bytes of a face: its record in the list (96), its patch (48), the hits of its rays (96), its
-/// light, five colours in full floats (80), and three times the light from afar (64).
-const FACE_BYTES: u64 = 96 + 48 + 96 + 80 + 3 * 64;
-/// Bytes of a node: its record (8), the index of its faces (4), and entries in two lists of changed
-/// cells (24).
-const NODE_BYTES: u64 = 8 + 4 + 24;
+/// light, three colours in full floats (48), and twice the light from afar (64).
+const FACE_BYTES: u64 = 96 + 48 + 96 + 48 + 2 * 64;
+/// Bytes of a face's radiance in cells.
+const FACE_BYTES_IN_CELLS: u64 = 16;
+/// Bytes of a node: its record (8), and the index of its faces (4).
+const NODE_BYTES: u64 = 8 + 4;
+/// Bytes of a node's entries in two lists of changed cells.
+const NODE_BYTES_IN_CELLS: u64 = 24;
 /// Bytes of an octree per voxel: 160 to 430 on the scenes of docs/octree.md, with 128 voxels or
 /// more along the longest axis.
 const OCTREE_BYTES_PER_VOXEL: u64 = 300;
@@ -215,8 +218,8 @@ fn share_inside((low, high): (Vec3, Vec3), (outer_low, outer_high): (Vec3, Vec3)
     f64::from(share.min(Vec3::ONE).element_product())
 }
 
-/// Bits and ranks, once for occupied and twice for changed cells; nodes of all levels; faces, their
-/// rays and their light.
+/// Bits and ranks of occupied cells, and in the index for rays; nodes of all levels; faces, their
+/// rays and their light. If light is stored in cells, bits of changed cells, and their ranks twice.
 fn list_bytes(grid: &Grid, voxels: u64, settings: &RenderSettings) -> u64 {
     let cells: u64 = (0..grid.levels).map(|level| u64::from(grid.morton_edge(level)).pow(3)).sum();
     // The next level has a quarter of a surface's cells.
@@ -224,8 +227,12 @@ fn list_bytes(grid: &Grid, voxels: u64, settings: &RenderSettings) -> u64 {
     let faces = (voxels as f64 * FACES_PER_VOXEL) as u64;
     let own_bytes = settings.injection.as_ref().map_or(0, |injection| injection.bytes_per_face());
     let face_bytes = FACE_BYTES + own_bytes;
-    // Ranks: a word for each word of bits. The index contains both again.
-    7 * cells.div_ceil(8) + nodes * NODE_BYTES + faces * face_bytes
+    // Ranks: a word for each word of bits.
+    let rays = 4 * cells.div_ceil(8) + nodes * NODE_BYTES + faces * face_bytes;
+    if !settings.gi_config(*grid).has_cells() {
+        return rays;
+    }
+    rays + 3 * cells.div_ceil(8) + nodes * NODE_BYTES_IN_CELLS + faces * FACE_BYTES_IN_CELLS
 }
 
 /// For each share: bits, ranks, an index with both, planes, and the faces' sums. The moving share

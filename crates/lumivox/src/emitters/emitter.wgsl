@@ -21,8 +21,8 @@ alias Record = array<vec4u, 4>;
 
 struct EmitterList {
     count: u32,
-    // Nonzero while the volume shows emission to all cones, so that no emitter is sampled: from a
-    // change of the voxels to the next lighting, and while the volume is too small for the change.
+    // Nonzero while all rays see emission, so that no emitter is sampled: from a change of the
+    // voxels to the next lighting.
     is_shown: u32,
     padding_0: u32,
     padding_1: u32,

@@ -310,11 +310,9 @@ impl Emitters {
         recorder.copy((&self.words[0], 0), (self.order.list(), SHOWN_BYTE), 4);
     }
 
-    /// Enables emitter sampling, since the volume will no longer show emission, unless `late_word`
-    /// is nonzero because the volume overflowed.
-    pub(crate) fn wake(&self, recorder: &mut Recorder<'_>, late_word: Option<&Buffer>) {
-        let word = late_word.unwrap_or(&self.words[1]);
-        recorder.copy((word, 0), (self.order.list(), SHOWN_BYTE), 4);
+    /// Enables emitter sampling, since rays will no longer see emission.
+    pub(crate) fn wake(&self, recorder: &mut Recorder<'_>) {
+        recorder.copy((&self.words[1], 0), (self.order.list(), SHOWN_BYTE), 4);
     }
 
     /// Binds emitters and allocates the list; returns `true` if it is in a new buffer.

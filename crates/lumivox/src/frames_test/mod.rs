@@ -37,9 +37,18 @@ impl Stage {
     }
 
     fn with(volume: VolumeKind, max: Vec3, resolution: u32) -> Self {
+        Self::made(volume, true, max, resolution)
+    }
+
+    /// An octree has cells all the same.
+    fn without_cells(volume: VolumeKind, max: Vec3, resolution: u32) -> Self {
+        Self::made(volume, false, max, resolution)
+    }
+
+    fn made(volume: VolumeKind, keeps_cells: bool, max: Vec3, resolution: u32) -> Self {
         let (device, queue) = device();
         let grid = Grid::fit(Vec3::ZERO, max, resolution, Vec3::ZERO).expect("it fits");
-        let config = GiConfig { volume, keeps_cells: true, ..GiConfig::new(grid) };
+        let config = GiConfig { volume, keeps_cells, ..GiConfig::new(grid) };
         let gi = Gi::with_pipelines(&device, &queue, config).expect("a device");
         Self { device, queue, grid, gi }
     }

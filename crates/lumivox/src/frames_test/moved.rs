@@ -33,7 +33,7 @@ fn rays(stage: &Stage) -> Vec<u32> {
 #[ignore = "slow: over three seconds"]
 fn rays_past_moved_surface_keep_correct_hits() {
     for volume in volumes() {
-        let new = || Stage::with(volume, Vec3::new(1.0, 0.7, 0.9), 32);
+        let new = || Stage::without_cells(volume, Vec3::new(1.0, 0.7, 0.9), 32);
         let mut stage = new();
         let geometry = room().build(&stage.device);
         let place = |step: u8| {

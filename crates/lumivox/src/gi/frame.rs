@@ -5,6 +5,7 @@ use crate::cones::TraceSettings;
 use crate::emitters::Emitters;
 use crate::gpu::Recorder;
 use crate::light::{Budget, Lights, Lit};
+use crate::volume::changes::Changes;
 use crate::volume::{OctreeVolume, ShownList};
 use crate::voxelize::FrameVoxels;
 use crate::{Geometry, GiError};
@@ -166,7 +167,7 @@ impl Gi {
         }
         if has_grown && (self.is_refused || voxelized.is_err()) {
             // The volume must show the last list in its new buffers.
-            self.changes.begin(recorder);
+            self.begin_changes(recorder);
             self.lighting.disturb();
             self.show_list(recorder)?;
         }
@@ -195,7 +196,7 @@ impl Gi {
         recorder: &mut Recorder<'_>,
         geometry: &Geometry,
     ) -> Result<(), GiError> {
-        self.changes.begin(recorder);
+        self.begin_changes(recorder);
         self.grow_octree(recorder)?;
         self.lighting.expect_emission(self.draws_emitters() && Emitters::are_in(geometry));
         self.voxelizer.record(recorder, &mut self.scene, geometry)?;
@@ -224,9 +225,13 @@ impl Gi {
         }
         let is_bound_anew = lighting.bind(recorder, next);
         if let Some(shown) = lighting.shown().filter(|_| is_bound_anew) {
-            changes.bind(device, next.replaced, next.list, (shown, lighting.has_emission()));
-            if let Some(cells) = changes.cells() {
-                volume.bind(device, (next.list, shown.now), cells);
+            if let Some(changes) = changes {
+                changes.bind(device, next.replaced, next.list, shown);
+            }
+            let changed = changes.as_ref().and_then(Changes::cells);
+            volume.bind(device, (next.list, shown.now), changed);
+            if let Some(patches) = volume.patches() {
+                lighting.bind_far(device, next.list, patches);
             }
         }
         voxelizer.commit(recorder, scene);
@@ -242,14 +247,25 @@ impl Gi {
         if let Some(octree) = volume.octree_mut() {
             octree.join_missed(recorder, scene.changed());
         }
-        changes.wrong(recorder, volume.clears_cells());
+        if let Some(changes) = changes {
+            changes.wrong(recorder, volume.clears_cells());
+        }
         let Some(voxels) = scene.list() else { return Ok(()) };
         lighting.set_list(device, voxels);
-        let Some(([changed, wrong], shown)) = changes.cells().zip(lighting.shown()) else {
+        let Some(shown) = lighting.shown() else { return Ok(()) };
+        volume.show_surface(recorder);
+        let Some([changed, wrong]) = changes.as_ref().and_then(Changes::cells) else {
             return Ok(());
         };
         let shown = ShownList { voxels, radiance: shown.now, changed, bits: scene.changed() };
         volume.show(recorder, shown, wrong)
+    }
+
+    /// Before a list is shown: forgets the cells that were stored.
+    fn begin_changes(&mut self, recorder: &mut Recorder<'_>) {
+        if let Some(changes) = &mut self.changes {
+            changes.begin(recorder);
+        }
     }
 
     /// Status of the voxels, from the results that have been read back.
@@ -273,7 +289,8 @@ impl Gi {
         settings: &TraceSettings,
     ) {
         let Self { volume, changes, lighting, emitters, .. } = self;
-        let lit = Lit { volume, changes, lights, emitters, cones: (settings, self.cone_values) };
+        let (changes, cones) = (changes.as_mut(), (settings, self.cone_values));
+        let lit = Lit { volume, changes, lights, emitters, cones };
         self.content += u64::from(lighting.step(recorder, lit, budget));
     }
 }

@@ -89,7 +89,8 @@ pub struct Gi {
     voxelizer: Box<Voxelizer>,
     scene: Box<VoxelizedScene>,
     volume: Volume,
-    changes: Changes,
+    /// `None` without cells.
+    changes: Option<Changes>,
     lighting: Box<Lighting>,
     emitters: Box<Emitters>,
     tracer: Tracer,
@@ -169,7 +170,10 @@ impl Gi {
         let emitters = Emitters::new(device, queue, &shaders, &voxelizer, &config.grid)?;
         volume.bind_emitters(device, emitters.list());
         let scene = voxelizer.scene(device, queue, &config.grid);
-        let changes = Changes::new(device, &shaders, &config.grid, scene.changed())?;
+        let changes = config
+            .has_cells()
+            .then(|| Changes::new(device, &shaders, &config.grid, scene.changed()))
+            .transpose()?;
         let lights_layout = lights_layout(device, config.shadow_maps.as_ref());
         let gbuffer_layout = gbuffer_layout(device, config.gbuffer.as_ref());
         let globals = volume.globals_layout();
@@ -177,7 +181,7 @@ impl Gi {
             device,
             &shaders,
             &config.grid,
-            (config.injection.as_deref(), config.cones.is_some()),
+            (config.injection.as_deref(), config.cones.is_some(), config.has_cells()),
             globals,
             &lights_layout,
         )?;
@@ -339,7 +343,7 @@ impl Gi {
         let has_emitters = self.draws_emitters() && Emitters::are_in(geometry);
         if has_emitters {
             self.emitters.expect(&self.device);
-            self.lighting.expect_emitters(&self.device);
+            self.volume.expect_emitters(&self.device);
         }
         if bounces > 0 {
             self.link_cones(settings.resolution, settings.temporal)?;
@@ -454,20 +458,23 @@ impl Gi {
         self.content += 1;
     }
 
-    /// For measurements: makes the next call of [`Self::light`] store and filter all voxels, even
+    /// For measurements: makes the next call of [`Self::light`] store and filter all cells, even
     /// those whose light has not changed.
     pub fn forget_light(&mut self) {
-        self.changes.forget();
+        if let Some(changes) = &mut self.changes {
+            changes.forget();
+        }
         self.lighting.disturb();
     }
 
     /// Changed cells, a bit each, laid out as
-    /// [`VoxelList::occupancy`](crate::voxels::VoxelList::occupancy); `None` before there is a
-    /// list. After [`Self::light`]: the cells that it wrote, because their content or a finer
-    /// cell's had changed. After a voxelization: the cells whose surface has changed, including
-    /// removed ones.
+    /// [`VoxelList::occupancy`](crate::voxels::VoxelList::occupancy); `None` without cells
+    /// ([`GiConfig::has_cells`]) and before there is a list. After [`Self::light`]: the cells that
+    /// it wrote, with a [`ConeModel`](crate::hooks::ConeModel) those of the last gather, because
+    /// their content or a finer cell's had changed. After a voxelization: the cells whose surface
+    /// has changed, including removed ones.
     pub fn changed_cells(&self) -> Option<&Buffer> {
-        self.changes.bits()
+        self.changes.as_ref()?.bits()
     }
 }
 

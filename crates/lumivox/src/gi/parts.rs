@@ -8,6 +8,7 @@ use crate::gpu::{BindGroup, Buffer, Pipelines, ShaderLibrary};
 use crate::light::Injector;
 #[cfg(test)]
 use crate::volume::CellVolume;
+use crate::volume::changes::Changes;
 use crate::volume::{OctreeStats, OctreeVolume};
 use crate::voxels::VoxelList;
 
@@ -135,7 +136,7 @@ impl Gi {
     /// Bytes on the GPU, by purpose, without the buffers that only a voxelization needs.
     pub fn memory(&self) -> Vec<(&'static str, u64)> {
         let mut memory = self.volume.memory();
-        memory.extend(self.changes.memory());
+        memory.extend(self.changes.iter().flat_map(Changes::memory));
         memory.extend(self.lighting.memory());
         memory.push(("light: emitters", self.emitters.bytes()));
         if let Some(voxels) = self.scene.list() {

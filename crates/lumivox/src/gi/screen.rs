@@ -195,6 +195,6 @@ impl Gi {
 
     /// Makes the volume show only reflected light, or all light again, in later commands.
     pub(super) fn hide_emission(&self, recorder: &mut Recorder<'_>, hides: bool) {
-        self.lighting.hide_emission(recorder, (&self.volume, &self.changes), hides);
+        self.lighting.hide_emission(recorder, &self.volume, hides);
     }
 }

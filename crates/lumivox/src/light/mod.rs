@@ -14,6 +14,7 @@
 
 mod faces;
 mod injection;
+mod kernels;
 mod lights;
 #[cfg(test)]
 mod tests;
@@ -33,7 +34,8 @@ use crate::voxelize::Collected;
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
 
-use faces::{Faces, LightKernels};
+use faces::Faces;
+use kernels::LightKernels;
 use turns::{Shines, Turn, Turns};
 
 pub(crate) use faces::{FAR_BYTES, HIT_WORDS};
@@ -80,7 +82,7 @@ pub(crate) struct BounceSettings {
     pub(crate) shines_on_all: u32,
     pub(crate) boxes: u32,
     pub(crate) box_written: u32,
-    pub(crate) padding: u32,
+    pub(crate) has_moved: u32,
 }
 
 /// How much light [`Lighting::step`] computes.
@@ -97,7 +99,8 @@ pub(crate) enum Budget {
 /// The inputs of [`Lighting::step`], and the volume that shows the light.
 pub(crate) struct Lit<'a> {
     pub(crate) volume: &'a Volume,
-    pub(crate) changes: &'a mut Changes,
+    /// `None` without cells.
+    pub(crate) changes: Option<&'a mut Changes>,
     pub(crate) lights: &'a Lights,
     pub(crate) emitters: &'a Emitters,
     /// The cones, and the values of a caller's model.
@@ -105,6 +108,7 @@ pub(crate) struct Lit<'a> {
 }
 
 /// Lights the faces of a voxel list.
+#[allow(clippy::struct_excessive_bools, reason = "independent facts about the list")]
 #[derive(Debug)]
 pub(crate) struct Lighting {
     direct: Direct,
@@ -116,9 +120,11 @@ pub(crate) struct Lighting {
     turns: Turns,
     /// `true` if there ever was dynamic surface.
     has_moving: bool,
-    /// `true` if there are emitters.
+    /// `true` if the list that was collected last has emitters.
+    expects_emission: bool,
+    /// `true` if the bound list has emitters.
     has_emission: bool,
-    /// `true` if the faces have light that the volume can show with emission and without.
+    /// `true` if emission can be hidden: there are emitters, and the faces have their light.
     is_lit: bool,
 }
 
@@ -138,16 +144,11 @@ impl Lighting {
         self.kernels.expect_bounces(device, has_emitters, in_frames);
     }
 
-    /// Queues the kernel that only geometry with emitters needs for compilation.
-    pub(crate) fn expect_emitters(&self, device: &Pipelines) {
-        self.kernels.expect_emitters(device);
-    }
-
     pub(crate) fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
         grid: &Grid,
-        (injection, marches): (Option<&dyn Injection>, bool),
+        (injection, marches, has_cells): (Option<&dyn Injection>, bool, bool),
         globals: &wgpu::BindGroupLayout,
         lights: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
@@ -156,7 +157,8 @@ impl Lighting {
         let grid_layout = LayoutBuilder::compute().uniform().build(device, "grid");
         let grid_group =
             BindGroupBuilder::new(&grid_layout).buffer(&grid.uniform(device)).build(device, "grid");
-        let kernels = LightKernels::new(device, shaders, &grid_layout, [globals, lights], marches)?;
+        let traits = (marches, has_cells);
+        let kernels = LightKernels::new(device, shaders, &grid_layout, [globals, lights], traits)?;
         let direct = match injection {
             None => Direct::Faces(kernels.direct(device, shaders, [globals, lights])?),
             Some(injection) => {
@@ -173,6 +175,7 @@ impl Lighting {
             faces: None,
             turns: Turns::new(grid, marches),
             has_moving: false,
+            expects_emission: false,
             has_emission: false,
             is_lit: false,
         })
@@ -191,14 +194,17 @@ impl Lighting {
         self.turns.surface_moved();
         self.has_moving = next.has_moving;
         self.is_lit = false;
-        if self.faces.as_ref().is_some_and(|faces| faces.is_of(&next, self.has_emission)) {
+        if self.expects_emission && !self.has_emission {
+            self.turns.disturb();
+        }
+        self.has_emission = self.expects_emission;
+        if self.faces.as_ref().is_some_and(|faces| faces.is_of(&next)) {
             if let Some(faces) = &self.faces {
                 self.kernels.move_light(recorder, &self.grid, faces);
             }
             return false;
         }
         let earlier = self.faces.take();
-        let next = (next, self.has_emission);
         let faces = Faces::new(recorder, &self.kernels, self.settings.buffer(), next, earlier);
         self.turns.replace_rays();
         self.kernels.move_light(recorder, &self.grid, &faces);
@@ -210,6 +216,13 @@ impl Lighting {
         true
     }
 
+    /// Binds the patches of the list to be committed: far light is stored behind them.
+    pub(crate) fn bind_far(&mut self, device: &wgpu::Device, list: &VoxelList, patches: &Buffer) {
+        if let Some(faces) = &mut self.faces {
+            faces.bind_far(device, &self.kernels, (self.settings.buffer(), patches), list);
+        }
+    }
+
     /// After a list was committed: copies light from the list that it replaced.
     pub(crate) fn copy_replaced(&mut self, recorder: &mut Recorder<'_>) {
         if let Some(faces) = &mut self.faces {
@@ -219,67 +232,26 @@ impl Lighting {
 
     /// Sets whether there are emitters, from the next list on.
     pub(crate) fn expect_emission(&mut self, has_emission: bool) {
-        self.has_emission = has_emission;
+        self.expects_emission = has_emission;
     }
 
-    /// Whether there are emitters.
-    pub(crate) fn has_emission(&self) -> bool {
-        self.has_emission
-    }
-
-    /// Makes the volume show only reflected light, or all light again, in later commands.
-    pub(crate) fn hide_emission(
-        &self,
-        recorder: &mut Recorder<'_>,
-        (volume, changes): (&Volume, &Changes),
-        hides: bool,
-    ) {
-        if !self.is_lit {
-            return;
+    /// Makes rays see only reflected light, or all light again, in later commands.
+    pub(crate) fn hide_emission(&self, recorder: &mut Recorder<'_>, volume: &Volume, hides: bool) {
+        if self.is_lit {
+            volume.show_light(recorder, hides);
         }
-        let Some((faces, shining)) = self.faces.as_ref().zip(changes.listed()) else { return };
-        faces.hide_emission(recorder, hides);
-        volume.bounce(recorder, shining);
     }
 
-    /// Removes emission from the volume before reflected light changes. Returns `false` if the
-    /// volume still stores emission of an earlier list, which is found like other changes.
-    fn conceal(
-        &mut self,
-        recorder: &mut Recorder<'_>,
-        (volume, changes): (&Volume, &Changes),
-    ) -> bool {
-        if !std::mem::take(&mut self.is_lit) {
-            return false;
-        }
-        let Some((faces, shining)) = self.faces.as_ref().zip(changes.listed()) else {
-            return false;
-        };
-        recorder.stage("filter");
-        faces.hide_emission(recorder, true);
-        volume.update(recorder, shining);
-        faces.hold(recorder);
-        true
-    }
-
-    /// Adds emission to the volume, after all reflected light.
-    fn emit(&mut self, recorder: &mut Recorder<'_>, (volume, changes): (&Volume, &Changes)) {
-        let Some(faces) = self.faces.as_ref().filter(|faces| faces.has_emission()) else { return };
-        self.kernels.emit(recorder, &self.grid, faces);
-        recorder.stage("filter");
-        let Some(shining) = changes.find_shining(recorder) else { return };
-        volume.update(recorder, shining);
-        self.is_lit = true;
-    }
-
-    /// Passes the list to the caller's injector, if there is one.
+    /// Call when a list is shown: passes it to the caller's injector, if there is one. Its emission
+    /// is hidden only once it has light.
     pub(crate) fn set_list(&mut self, device: &Pipelines, voxels: &VoxelList) {
+        self.is_lit = false;
         if let Direct::Own(injector) = &mut self.direct {
             injector.take(device, voxels);
         }
     }
 
-    /// The radiance to be shown by the volume, and the radiance that it stores.
+    /// The radiance of the faces, and that stored in cells.
     pub(crate) fn shown(&self) -> Option<Shown<'_>> {
         self.faces.as_ref().map(Faces::shown)
     }
@@ -287,7 +259,7 @@ impl Lighting {
     /// Records direct light and gathers within the budget; stores and filters changed light.
     /// Records nothing and returns `false` once light has converged.
     pub(crate) fn step(&mut self, recorder: &mut Recorder, lit: Lit<'_>, budget: Budget) -> bool {
-        let Lit { volume, changes, lights, emitters, cones } = lit;
+        let Lit { volume, mut changes, lights, emitters, cones } = lit;
         let Some(faces) = &self.faces else { return false };
         let versions = [lights.version, emitters.version()];
         let turn = match budget {
@@ -303,9 +275,9 @@ impl Lighting {
             }
         };
         let Some(turn) = turn else { return false };
-        let has_emission = faces.has_emission();
+        let has_emission = self.has_emission;
         if has_emission {
-            emitters.wake(recorder, volume.late_word());
+            emitters.wake(recorder);
         }
         set_bounce(&mut self.settings, recorder, cones, turn, has_emission);
         if turn.is_from_darkness {
@@ -314,19 +286,20 @@ impl Lighting {
                 recorder.clear(faces.hits());
             }
         }
-        let is_concealed = !turn.stores_all() && self.conceal(recorder, (volume, changes));
-        let Some(faces) = &self.faces else { return false };
         if turn.is_direct_new {
-            self.direct(recorder, (volume, changes), lights, faces);
-        }
-        if turn.is_direct_new || (has_emission && !is_concealed) {
+            self.direct(recorder, (volume, changes.as_deref_mut()), lights, faces);
             self.kernels.reflect(recorder, &self.grid, faces);
+        }
+        // Gathers sample emitters explicitly.
+        let mut show = |recorder: &mut Recorder<'_>| {
             recorder.stage("filter");
-            let all = turn.stores_all();
-            let changed = if all { changes.all(recorder) } else { changes.find(recorder) };
-            if let Some(changed) = changed {
-                volume.update(recorder, changed);
+            volume.show_light(recorder, has_emission);
+            if volume.is_marched() {
+                update_cells(recorder, volume, changes.as_deref_mut());
             }
+        };
+        if turn.is_direct_new || has_emission {
+            show(recorder);
         }
         let groups = [volume.globals(), &lights.group];
         if turn.writes_box && self.has_moving {
@@ -345,24 +318,21 @@ impl Lighting {
             recorder.stage("bounce");
             self.kernels.gather(recorder, groups, faces, turn);
             self.kernels.reflect(recorder, &self.grid, faces);
-            recorder.stage("filter");
-            if !turn.stores_all() {
-                if let Some(changed) = changes.find(recorder) {
-                    volume.update(recorder, changed);
-                }
-            } else if let Some(all) = changes.listed() {
-                if gather < turn.gathers {
-                    volume.bounce(recorder, all);
-                } else {
-                    volume.update(recorder, all);
-                    faces.hold(recorder);
-                }
+            if gather < turn.gathers || turn.shows_far || !has_emission {
+                show(recorder);
             }
         }
         if turn.shows_far {
             self.show_far(recorder, volume, lights, faces);
         }
-        self.emit(recorder, (volume, changes));
+        if has_emission {
+            recorder.stage("filter");
+            volume.show_light(recorder, false);
+        }
+        if !volume.is_marched() {
+            update_cells(recorder, volume, changes);
+        }
+        self.is_lit = has_emission;
         true
     }
 
@@ -375,7 +345,8 @@ impl Lighting {
         faces: &Faces,
     ) {
         recorder.stage("far light");
-        let far = self.kernels.far(recorder, [volume.globals(), &lights.group], faces);
+        let groups = [volume.globals(), &lights.group];
+        let far = self.kernels.far(recorder, &self.grid, groups, faces);
         if let Some(far) = far {
             volume.show_far(recorder, far);
         }
@@ -385,7 +356,7 @@ impl Lighting {
     fn direct(
         &self,
         recorder: &mut Recorder<'_>,
-        (volume, changes): (&Volume, &mut Changes),
+        (volume, changes): (&Volume, Option<&mut Changes>),
         lights: &Lights,
         faces: &Faces,
     ) {
@@ -393,7 +364,7 @@ impl Lighting {
         // Cone shadows need the volume's opacities; the radiance stored with them does not matter.
         if lights.has_cone_shadows && volume.is_marched() {
             recorder.stage("filter");
-            if let Some(changed) = changes.surfaces(recorder) {
+            if let Some(changed) = changes.and_then(|changes| changes.surfaces(recorder)) {
                 volume.update(recorder, changed);
             }
             recorder.stage("light");
@@ -447,6 +418,14 @@ impl Lighting {
     }
 }
 
+/// Stores changed light in the cells, if there are any.
+fn update_cells(recorder: &mut Recorder<'_>, volume: &Volume, changes: Option<&mut Changes>) {
+    if let Some(changed) = changes.and_then(|changes| changes.find(recorder)) {
+        recorder.stage("filter");
+        volume.update(recorder, changed);
+    }
+}
+
 fn set_bounce(
     buffer: &mut Staged,
     recorder: &mut Recorder<'_>,
@@ -468,7 +447,7 @@ fn set_bounce(
         shines_on_all: u32::from(turn.shines == Shines::OnAll),
         boxes: turn.boxes,
         box_written: turn.box_written,
-        padding: 0,
+        has_moved: u32::from(turn.writes_box),
     };
     buffer.set(recorder, bytemuck::bytes_of(&settings));
 }

@@ -1,7 +1,7 @@
 // First of two steps for faces whose place in the list changes, since dynamic surface touches their
 // voxels: saves their light. settle.wgsl copies it back.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{HAS_CELLS, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
 import package::voxelize::former::NO_FACE;
 import package::voxelize::needs::Needs;
@@ -49,12 +49,16 @@ fn main(
         let own = moving_faces[face];
         let former = find_face(former_faces[voxel], own);
         var light = vec4f(0.0);
-        var in_volume = vec4f(0.0);
+        var in_cells = vec4f(0.0);
         if former != NO_FACE {
             light = irradiance[former];
-            in_volume = held[former];
+            if HAS_CELLS != 0u {
+                in_cells = held[former];
+            }
         }
         moving_irradiance[face] = light;
-        moving_held[face] = in_volume;
+        if HAS_CELLS != 0u {
+            moving_held[face] = in_cells;
+        }
     }
 }

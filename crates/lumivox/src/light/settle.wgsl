@@ -1,6 +1,6 @@
 // Second of two steps: copies the light that move_light.wgsl has saved back into the list.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::constants::{HAS_CELLS, LINEAR_WORKGROUP_SIZE};
 import package::gpu::dispatch::linear_index;
 import package::voxelize::needs::Needs;
 import package::voxels::counts::ListCounts;
@@ -20,6 +20,8 @@ fn main(
     let face = linear_index(invocation, workgroups);
     if needs.overflow == 0u && face < needs.moving_faces {
         irradiance[counts.fixed_faces + face] = moving_irradiance[face];
-        held[counts.fixed_faces + face] = moving_held[face];
+        if HAS_CELLS != 0u {
+            held[counts.fixed_faces + face] = moving_held[face];
+        }
     }
 }

@@ -2,7 +2,7 @@
 // in front of them. Each gather adds the stored value.
 
 import package::cascades::cascade_of;
-import package::constants::{HIDDEN, LINEAR_WORKGROUP_SIZE};
+import package::constants::{HIDDEN, LINEAR_WORKGROUP_SIZE, RAY_CLASSES};
 import package::emitters::cluster::{cluster_of, unite, unpack, Cluster};
 import package::emitters::draw::emitters;
 import package::emitters::emitter::emitter_of;
@@ -20,6 +20,8 @@ import package::voxels::morton::morton_decode;
 // average out over time; cones average it over many faces.
 const POINTS: u32 = 4u;
 
+const ALL_CLASSES: u32 = (1u << RAY_CLASSES) - 1u;
+
 // The box around all emitters.
 fn emitters_box() -> Box {
     var all: Cluster;
@@ -33,13 +35,21 @@ fn emitters_box() -> Box {
     return Box(all.centre - all.half_size, all.centre + all.half_size);
 }
 
-// Whether the irradiance of a face may have changed.
+// Whether the irradiance of a face has to be found again: if it was never found; after surface has
+// moved, if the face is dynamic, so that its place in the list varies, or if its group is due and
+// moved surface may be in front of emitters. Groups are of whole workgroups.
 fn is_outdated(index: u32) -> bool {
-    if settings.shines_on_all != 0u || settings.boxes == 0u || index >= counts.fixed_faces
-        || irradiance[index].w == 0.0 {
+    if settings.shines_on_all != 0u || irradiance[index].w == 0.0 {
         return true;
     }
-    return may_meet(grid_from_world(faces[index].position_in_world), emitters_box(), moved_box(1u));
+    let classes = select(settings.rays_anew, ALL_CLASSES, settings.has_moved != 0u && index >= counts.fixed_faces);
+    let group = index / LINEAR_WORKGROUP_SIZE % RAY_CLASSES;
+    if ((classes >> group) & 1u) == 0u {
+        return false;
+    }
+    return settings.boxes == 0u || index >= counts.fixed_faces
+        || may_meet(
+            grid_from_world(faces[index].position_in_world), emitters_box(), moved_box(RAY_CLASSES));
 }
 
 fn shine_on(index: u32) {

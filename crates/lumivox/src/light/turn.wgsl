@@ -4,6 +4,7 @@ import package::cascades::{cascade_of, voxel_of};
 import package::cones::cone::ConeSettings;
 import package::constants::{HIT_WORDS, MOVED_BOXES, RAREST_CASCADE};
 import package::gpu::random::{hash, random_pair};
+import package::volume::far_light::power_of_two;
 import package::voxels::counts::ListCounts;
 import package::voxels::list::{Face, lobe_axis};
 import package::voxels::morton::morton_decode;
@@ -20,18 +21,20 @@ struct BounceSettings {
     by_cascade: u32,
     // Whether some faces of static surface may never have gathered.
     is_list_new: u32,
-    // The rays that are traced again: a bit for each of RAY_CLASSES, zero if nothing has moved.
+    // The rays that are traced again, and the groups of faces that sample emitters again: a bit for
+    // each of RAY_CLASSES, zero if nothing has moved.
     rays_anew: u32,
     // Whether gathers are accelerated (bounce.wgsl).
     relaxes: u32,
-    // Whether all faces sample emitters again, not only those whose view of them may have changed.
+    // Whether all faces sample emitters again.
     shines_on_all: u32,
-    // Number of latest boxes that cover all surface moved since the oldest stored hit was traced;
-    // zero if unknown.
+    // Number of latest boxes that cover all surface moved since the oldest stored hit was traced,
+    // and since the emitters' oldest stored irradiance; zero if unknown.
     boxes: u32,
     // The place of the last of these boxes.
     box_written: u32,
-    padding: u32,
+    // Whether the list of dynamic surface is new.
+    has_moved: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: BounceSettings;
@@ -114,10 +117,6 @@ fn keep_last_step(face: u32, step: vec3f) {
     let bits = vec3u(numbers) & vec3u(0x1ffu);
     hits[face * HIT_WORDS + LAST_STEP] =
         bits.x | (bits.y << 9u) | (bits.z << 18u) | (u32(exponent + STEP_BIAS) << 27u);
-}
-
-fn power_of_two(exponent: i32) -> f32 {
-    return bitcast<f32>(u32(exponent + 127) << 23u);
 }
 
 // The number of turns until all faces have gathered, if they are not grouped by cascade.

@@ -28,7 +28,8 @@ const RELAXED_BOUNCES: u32 = 8;
 /// log2 of the maximum number of frames between two gathers of a cascade.
 pub(super) const RAREST_CASCADE: u32 = 3;
 
-/// After surface has moved, rays are traced again in this many groups, one a frame.
+/// After surface has moved, rays are traced again in this many groups, one a frame. Faces sample
+/// emitters again in as many groups.
 pub(super) const RAY_CLASSES: u32 = 4;
 
 /// Number of boxes of moved surface that are kept: one for each group of rays, and the one before.
@@ -60,7 +61,8 @@ pub(super) struct Turn {
     pub is_list_new: bool,
     /// Number of the frame.
     pub number: u32,
-    /// The rays that faces trace again, a bit for each class (`turn.wgsl`).
+    /// The rays that faces trace again, and the faces that sample emitters again: a bit for each
+    /// class (`turn.wgsl`).
     pub rays_anew: u32,
     /// `true` if gathers are accelerated.
     pub relaxes: bool,
@@ -72,30 +74,20 @@ pub(super) struct Turn {
     pub writes_box: bool,
     /// Place of the last box.
     pub box_written: u32,
-    /// Number of latest boxes that cover all surface moved since the oldest stored hit was traced;
-    /// 0 if unknown.
+    /// Number of latest boxes that cover all surface moved since the oldest stored hit was traced,
+    /// and since the emitters' oldest stored irradiance; 0 if unknown.
     pub boxes: u32,
 }
 
 /// Faces that sample emitters again.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shines {
     /// No faces: neither emitters nor occluders have changed.
-    #[default]
     OnNone,
-    /// Faces that may see emitters past moved surface.
+    /// Of the faces that may see emitters past moved surface, those whose turn it is.
     BehindMoved,
     /// All faces.
     OnAll,
-}
-
-impl Turn {
-    /// `true` if the volume stores all cells instead of only changed ones. From darkness with many
-    /// bounces nearly everything changes in every gather: looking for unchanged faces would cost
-    /// more than it saves.
-    pub fn stores_all(&self) -> bool {
-        self.is_from_darkness && self.gathers > 0
-    }
 }
 
 /// Whether the stored hits of the faces' rays are valid.
@@ -122,8 +114,8 @@ pub(super) struct Turns {
     nearly_settled: u64,
     /// Gathers of the last solve from darkness, until the next frame.
     solved: Option<u32>,
-    /// The faces that sample emitters again, and the frames until all have.
-    shines: (Shines, u64),
+    /// Frames until all faces have sampled emitters again; 0 if only those past moved surface do.
+    shines_on_all: u64,
     /// `true` if light from emitters was never computed, or lost.
     is_unlit: bool,
     is_disturbed: bool,
@@ -199,11 +191,12 @@ impl Turns {
             gathers -= (gathers - 1) / 3;
         }
         let has_moved = self.has_moved;
-        let is_lit =
-            !(has_moved || self.is_unlit) && self.shines.1 == 0 && self.emitters == Some(emitters);
+        let is_lit = !(has_moved || self.is_unlit)
+            && self.shines_on_all == 0
+            && self.emitters == Some(emitters);
         let shines = if is_lit || gathers == 0 { Shines::OnNone } else { Shines::OnAll };
         self.is_unlit = !is_lit && gathers == 0;
-        self.shines = (Shines::OnNone, 0);
+        self.shines_on_all = 0;
         // Without bounces no hits are found: those of moved surface stay outdated.
         let traces = bounces > 0;
         let finds = traces && (has_moved || self.finds > 0);
@@ -276,15 +269,12 @@ impl Turns {
             if self.finds > 0 {
                 self.rays = Rays::Outdated;
             }
-            if self.shines.1 > 0 {
+            if self.shines_on_all > 0 {
                 self.is_unlit = true;
             }
         }
         if std::mem::take(&mut self.is_unlit) | are_emitters_new {
-            self.shines = (Shines::OnAll, turns);
-        } else if self.rays == Rays::Outdated {
-            let all = self.shines.0 == Shines::OnAll && self.shines.1 > 0;
-            self.shines = (if all { Shines::OnAll } else { Shines::BehindMoved }, turns);
+            self.shines_on_all = turns;
         }
         if is_direct_new || self.cones != cones {
             let done = done.filter(|_| !is_direct_new).unwrap_or(0);
@@ -310,8 +300,6 @@ impl Turns {
         (self.lights, self.cones) = (Some(lights), cones);
         self.left = self.left.checked_sub(1)?;
         self.number = self.number.wrapping_add(1);
-        let shines = if self.shines.1 > 0 { self.shines.0 } else { Shines::OnNone };
-        self.shines.1 = self.shines.1.saturating_sub(1);
         let gathers = u64::from(settling).saturating_sub(self.left / turns);
         let is_shown = |shown: &u32| u64::from(*shown) == gathers;
         let shows_far = is_direct_new
@@ -326,6 +314,12 @@ impl Turns {
             }
             _ => 0,
         };
+        let shines = match (self.shines_on_all > 0, rays_anew) {
+            (true, _) => Shines::OnAll,
+            (false, 0) => Shines::OnNone,
+            (false, _) => Shines::BehindMoved,
+        };
+        self.shines_on_all = self.shines_on_all.saturating_sub(1);
         Some(Turn {
             is_from_darkness: false,
             gathers: 1,

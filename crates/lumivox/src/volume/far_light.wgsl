@@ -25,18 +25,26 @@ struct Known {
 
 const BRIGHTEST_FAR = 65280.0;
 
+// Powers of two are made of bits, and numbers are converted by signed integers: the CPUs that run
+// software GPUs have instructions for these.
+fn power_of_two(exponent: i32) -> f32 {
+    return bitcast<f32>((exponent + 127) << 23u);
+}
+
 fn pack_far_light(light: FarLight) -> u32 {
     let radiance = clamp(light.radiance, vec3f(0.0), vec3f(BRIGHTEST_FAR));
-    let most = max(radiance.r, max(radiance.g, max(radiance.b, 1e-5)));
-    let exponent = clamp(floor(log2(most)) + 1.0, -14.0, 16.0);
-    let parts = vec3u(min(round(radiance * exp2(8.0 - exponent)), vec3f(255.0)));
-    let open = u32(round(7.0 * saturate(light.openness)));
-    return parts.r | (parts.g << 8u) | (parts.b << 16u) | (open << 24u) | (u32(exponent + 15.0) << 27u);
+    let most = max(radiance.r, max(radiance.g, radiance.b));
+    // The exponent of a power of two above `most`.
+    let exponent = clamp(i32(bitcast<u32>(most) >> 23u) - 126, -14, 16);
+    let parts = vec3i(min(round(radiance * power_of_two(8 - exponent)), vec3f(255.0)));
+    let open = i32(round(7.0 * saturate(light.openness)));
+    return u32(parts.r | (parts.g << 8u) | (parts.b << 16u) | (open << 24u) | ((exponent + 15) << 27u));
 }
 
 fn unpack_far_light(packed: u32) -> FarLight {
-    let parts = vec3f(vec3u(packed, packed >> 8u, packed >> 16u) & vec3u(255u));
-    // Two to the power of the exponent minus 23 (bias 15, 8 bits).
-    let scale = bitcast<f32>(((packed >> 27u) + (127u - 23u)) << 23u);
-    return FarLight(parts * scale, f32((packed >> 24u) & 7u) / 7.0);
+    let parts = vec3i(vec3u(packed, packed >> 8u, packed >> 16u) & vec3u(255u));
+    // The exponent has a bias of 15; parts have 8 bits.
+    let scale = power_of_two(i32(packed >> 27u) - 23);
+    let open = i32((packed >> 24u) & 7u);
+    return FarLight(vec3f(parts) * scale, f32(open) * (1.0 / 7.0));
 }

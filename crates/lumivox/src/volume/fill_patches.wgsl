@@ -12,11 +12,11 @@ import package::voxels::morton::morton_decode;
 
 @group(1) @binding(0) var<uniform> counts: ListCounts;
 @group(1) @binding(1) var<storage, read> faces: array<Face>;
-@group(1) @binding(2) var<storage, read> shown: array<vec4f>;
+@group(1) @binding(2) var<storage, read> radiance: array<vec4f>;
 @group(1) @binding(3) var<storage, read_write> patches: array<vec2u>;
 
-fn light_of(face: u32) -> vec2u {
-    return pack_light(shown[face].rgb, faces[face].lobe, faces[face].flags);
+fn pack_light_of(face: u32, light: vec3f) -> vec2u {
+    return pack_light(light, faces[face].lobe, faces[face].flags);
 }
 
 // Runs after the list has changed. The next light update writes the light of new faces.
@@ -39,7 +39,7 @@ fn surface(
     patches[first + 1u] = vec2u(faces[face].mask_low, faces[face].mask_high);
     patches[first + 2u] = faces[face].profiles.xy;
     patches[first + 3u] = faces[face].profiles.zw;
-    patches[first + 4u] = light_of(face);
+    patches[first + 4u] = pack_light_of(face, radiance[face].rgb);
     patches[first + 5u] = pack_emission(faces[face].emission);
 }
 
@@ -51,6 +51,19 @@ fn light(
 ) {
     let face = linear_index(invocation, workgroups);
     if face < counts.faces {
-        patches[PATCH_WORDS * face + 4u] = light_of(face);
+        patches[PATCH_WORDS * face + 4u] = pack_light_of(face, radiance[face].rgb);
+    }
+}
+
+// For cones that sample emitters: light without emission.
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn reflected_light(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let face = linear_index(invocation, workgroups);
+    if face < counts.faces {
+        let reflected = max(radiance[face].rgb - faces[face].emission, vec3f(0.0));
+        patches[PATCH_WORDS * face + 4u] = pack_light_of(face, reflected);
     }
 }

@@ -128,7 +128,8 @@ pub(crate) fn mount(shaders: &mut ShaderLibrary, kind: VolumeKind, directionalit
         .fill(crate::gpu::implementation(volume))
         .fill(crate::gpu::implementation(cells))
         .constant_u32("ISOTROPIC", u32::from(directionality == Directionality::Isotropic))
-        // Placeholder until there is a grid.
+        // Placeholders until there is a volume.
+        .constant_u32("HAS_CELLS", 1)
         .constant_u32("OCTREE_STEPS", 0);
     if kind == VolumeKind::Cascades {
         let some = Cascades::stored([2, 16]);
@@ -191,6 +192,7 @@ impl Volume {
     ) -> Result<Self, GiError> {
         check(grid, kind)?;
         mount(shaders, kind, directionality);
+        shaders.constant_u32("HAS_CELLS", u32::from(has_cells));
         crate::cascades::add_constants(shaders, grid.cascades.as_ref());
         let cells = has_cells.then(|| match kind {
             VolumeKind::Dense | VolumeKind::Cascades => {
@@ -246,27 +248,22 @@ impl Volume {
         }
     }
 
-    /// A word that is nonzero while cones see an earlier list; valid after the first list was
-    /// shown. `None` if cones never see an earlier one.
-    pub(crate) fn late_word(&self) -> Option<&Buffer> {
-        self.octree().filter(|_| self.is_marched()).map(OctreeVolume::late_word)
-    }
-
     /// Binds another list, or the same one after its buffers were resized, the radiance of its
-    /// faces, and the lists of cells that will be passed to [`Self::update`] and [`Self::show`].
+    /// faces, and, if there are cells, the lists of cells that will be passed to [`Self::update`]
+    /// and [`Self::show`].
     pub(crate) fn bind(
         &mut self,
         device: &wgpu::Device,
         light: (&VoxelList, &Buffer),
-        cells: [&ChangedCells; 2],
+        changed: Option<[&ChangedCells; 2]>,
     ) {
         if let Some(surface) = &mut self.surface {
             surface.bind(device, light);
         }
-        match &mut self.cells {
-            None => {}
-            Some(CellVolume::Dense(dense)) => dense.bind(device, light, cells),
-            Some(CellVolume::Octree(octree)) => octree.unbind(),
+        match (&mut self.cells, changed) {
+            (Some(CellVolume::Dense(dense)), Some(changed)) => dense.bind(device, light, changed),
+            (Some(CellVolume::Octree(octree)), _) => octree.unbind(),
+            _ => {}
         }
     }
 
@@ -276,7 +273,14 @@ impl Volume {
         matches!(self.cells, Some(CellVolume::Dense(_)))
     }
 
-    /// Shows a list: discards cells with changed surface, which `wrong` lists if
+    /// Shows the surface of a list to rays. [`Self::show_light`] shows its light.
+    pub(crate) fn show_surface(&self, recorder: &mut Recorder<'_>) {
+        if let Some(surface) = &self.surface {
+            surface.show(recorder);
+        }
+    }
+
+    /// Shows a list in cells: discards those with changed surface, which `wrong` lists if
     /// [`Self::clears_cells`]. [`Self::update`] stores the radiance. An octree that overflows keeps
     /// showing the earlier list.
     ///
@@ -288,9 +292,6 @@ impl Volume {
         shown: ShownList<'_>,
         wrong: &ChangedCells,
     ) -> Result<(), GiError> {
-        if let Some(surface) = &self.surface {
-            surface.show(recorder);
-        }
         match &mut self.cells {
             None => {}
             Some(CellVolume::Dense(dense)) => dense.show(recorder, wrong),
@@ -299,11 +300,8 @@ impl Volume {
         Ok(())
     }
 
-    /// Stores the changed radiance of the faces and filters it into the pyramid.
+    /// Stores the changed radiance of the faces in cells and filters it into the pyramid.
     pub(crate) fn update(&self, recorder: &mut Recorder<'_>, changed: &ChangedCells) {
-        if let Some(surface) = &self.surface {
-            surface.update(recorder);
-        }
         match &self.cells {
             None => {}
             Some(CellVolume::Dense(dense)) => dense.update(recorder, changed),
@@ -311,12 +309,23 @@ impl Volume {
         }
     }
 
-    /// Shows the radiance of the faces to cones, as needed between bounces.
-    pub(crate) fn bounce(&self, recorder: &mut Recorder, changed: &ChangedCells) {
-        match &self.surface {
-            Some(surface) => surface.update(recorder),
-            None => self.update(recorder, changed),
+    /// Shows the radiance of the faces to rays, without emission if `hides_emission`.
+    pub(crate) fn show_light(&self, recorder: &mut Recorder<'_>, hides_emission: bool) {
+        if let Some(surface) = &self.surface {
+            surface.show_light(recorder, hides_emission);
         }
+    }
+
+    /// Queues the kernel that only geometry with emitters needs for compilation.
+    pub(crate) fn expect_emitters(&self, device: &Pipelines) {
+        if let Some(surface) = &self.surface {
+            surface.expect_emitters(device);
+        }
+    }
+
+    /// The faces for rays, and their far light; `None` if cones march.
+    pub(crate) fn patches(&self) -> Option<&Buffer> {
+        self.surface.as_ref().map(Surface::patches)
     }
 
     /// Shows the far light of the faces.

@@ -33,6 +33,7 @@ pub(crate) struct Surface {
     fill_index: Kernel,
     fill_patches: Kernel,
     fill_light: Kernel,
+    fill_reflected: Kernel,
     index: Buffer,
     patches: Buffer,
     emitters: Buffer,
@@ -82,6 +83,13 @@ impl Surface {
             fill_index: kernel("voxels::index", "main", &index_layout)?,
             fill_patches: kernel("volume::fill_patches", "surface", &patches_layout)?,
             fill_light: kernel("volume::fill_patches", "light", &patches_layout)?,
+            fill_reflected: Kernel::deferred(
+                device,
+                shaders,
+                "volume::fill_patches",
+                "reflected_light",
+                &[&grid_layout, &patches_layout],
+            )?,
             globals_layout,
             index_layout,
             patches_layout,
@@ -116,9 +124,14 @@ impl Surface {
         self.globals = bind_globals(device, &self.globals_layout, buffers);
     }
 
-    /// Binds another list, or the same one after its buffers were resized, and the light that its
-    /// faces will show.
-    pub(super) fn bind(&mut self, device: &wgpu::Device, (list, shown): (&VoxelList, &Buffer)) {
+    /// Queues the kernel that only geometry with emitters needs for compilation.
+    pub(super) fn expect_emitters(&self, device: &Pipelines) {
+        self.fill_reflected.expect(device);
+    }
+
+    /// Binds another list, or the same one after its buffers were resized, and the radiance of its
+    /// faces.
+    pub(super) fn bind(&mut self, device: &wgpu::Device, (list, radiance): (&VoxelList, &Buffer)) {
         let bytes = index_bytes(&self.cells, list.node_capacity());
         self.index = storage_buffer(device, "index of voxels", bytes);
         self.patches = storage_buffer(device, "patches", list.face_capacity() * SURFACE_BYTES);
@@ -132,7 +145,7 @@ impl Surface {
         let patches = BindGroupBuilder::new(&self.patches_layout)
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
             .buffer(&list.faces)
-            .buffer(shown)
+            .buffer(radiance)
             .buffer(&self.patches)
             .build(device, "patches");
         let threads = list.node_capacity().max(level_words(&self.cells, 0));
@@ -149,9 +162,10 @@ impl Surface {
         self.fill(recorder, &self.fill_patches);
     }
 
-    /// Shows the light of the faces.
-    pub(super) fn update(&self, recorder: &mut Recorder<'_>) {
-        self.fill(recorder, &self.fill_light);
+    /// Shows the radiance of the faces, without emission if `hides_emission`.
+    pub(super) fn show_light(&self, recorder: &mut Recorder<'_>, hides_emission: bool) {
+        let kernel = if hides_emission { &self.fill_reflected } else { &self.fill_light };
+        self.fill(recorder, kernel);
     }
 
     /// Writes the far light of the faces, after the patches.
@@ -166,6 +180,10 @@ impl Surface {
             let groups = [&self.grid, &bound.patches];
             kernel.dispatch_indirect(pass, &groups, &bound.counts, FACE_ARGUMENTS);
         });
+    }
+
+    pub(super) fn patches(&self) -> &Buffer {
+        &self.patches
     }
 
     pub(super) fn globals(&self) -> &BindGroup {

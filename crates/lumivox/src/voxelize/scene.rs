@@ -34,8 +34,8 @@ pub(crate) struct VoxelizedScene {
     pub(super) is_list_new: bool,
     /// The last committed list, if a new one is about to replace it.
     pub(super) replaced: Option<VoxelList>,
-    /// Cells whose surface has changed, a bit each, laid out as the list's occupancy. The list's
-    /// consumers clear them.
+    /// Cells whose surface has changed, a bit each, laid out as the list's occupancy. A volume with
+    /// cells reads and clears them.
     pub(super) changed: Buffer,
     /// `true` if the next list is collected, and can be committed.
     pub(super) is_collected: bool,
@@ -175,8 +175,8 @@ impl VoxelizedScene {
         self.moving.is_some()
     }
 
-    /// Cells whose surface has changed, a bit each, laid out as the list's occupancy. The list's
-    /// consumers clear them.
+    /// Cells whose surface has changed, a bit each, laid out as the list's occupancy. A volume with
+    /// cells reads and clears them.
     pub(crate) fn changed(&self) -> &Buffer {
         &self.changed
     }

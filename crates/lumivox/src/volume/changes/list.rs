@@ -46,7 +46,6 @@ pub(crate) struct ChangedCells {
     /// `array<ChangedCell>` of `list.wgsl`.
     pub(crate) cells: Buffer,
     words: u64,
-    params: Buffer,
     group: BindGroup,
     scan: BoundScan,
     /// The arguments of a dispatch over each level's cells.
@@ -121,8 +120,14 @@ impl Lister {
         let cells = storage_buffer(device, "changed cells", count * 8);
         let params = ListParams { only_occupied: u32::from(only_occupied) };
         let params = uniform_buffer(device, "list parameters", &params);
-        let listed = [&params, &ranks, &cells];
-        let group = self.group(device, (bits, voxels), listed);
+        let group = BindGroupBuilder::new(&self.layout)
+            .buffer(&params)
+            .buffer(&voxels.occupancy)
+            .buffer(&voxels.ranks)
+            .buffer(bits)
+            .buffer(&ranks)
+            .buffer(&cells)
+            .build(device, "changed cells");
         let first_word = |level: u32| level_first_word(grid, level) as u32;
         let levels: Vec<Run> = (0..grid.levels)
             .map(|level| Run { first: first_word(level), end: first_word(level + 1) })
@@ -133,35 +138,8 @@ impl Lister {
             ranks,
             cells,
             words,
-            params,
             group,
         }
-    }
-
-    /// Binds other bits, whose cells are listed in the same buffers.
-    pub(super) fn other_bits(
-        &self,
-        device: &wgpu::Device,
-        bits: (&Buffer, &VoxelList),
-        cells: &ChangedCells,
-    ) -> BindGroup {
-        self.group(device, bits, [&cells.params, &cells.ranks, &cells.cells])
-    }
-
-    fn group(
-        &self,
-        device: &wgpu::Device,
-        (bits, voxels): (&Buffer, &VoxelList),
-        [params, ranks, cells]: [&Buffer; 3],
-    ) -> BindGroup {
-        BindGroupBuilder::new(&self.layout)
-            .buffer(params)
-            .buffer(&voxels.occupancy)
-            .buffer(&voxels.ranks)
-            .buffer(bits)
-            .buffer(ranks)
-            .buffer(cells)
-            .build(device, "changed cells")
     }
 
     /// Lists the changed cells.
@@ -171,18 +149,7 @@ impl Lister {
         globals: &BindGroup,
         cells: &ChangedCells,
     ) {
-        self.list_bits(recorder, globals, cells, &cells.group);
-    }
-
-    /// Lists the cells of the bits of a bind group.
-    pub(super) fn list_bits(
-        &self,
-        recorder: &mut Recorder<'_>,
-        globals: &BindGroup,
-        cells: &ChangedCells,
-        group: &BindGroup,
-    ) {
-        let groups = [globals, group];
+        let groups = [globals, &cells.group];
         self.count.run_linear(recorder, &groups, cells.words);
         self.scan.run_bound(recorder, &cells.scan);
         self.list.run_linear(recorder, &groups, cells.words);

@@ -7,9 +7,7 @@
 //! list and the radiance, so the volume is bit-identical to one with all cells written.
 //!
 //! Voxelization sets the bits of voxels with changed surface (`voxelize/union.rs`). Each face's
-//! light is compared with the light that the volume stores ([`Changes::find`]). If light starts
-//! from darkness with many bounces, nearly everything changes several times within one update; then
-//! all cells are written without a comparison ([`Changes::all`]).
+//! light is compared with the light that the volume stores ([`Changes::find`]).
 
 mod list;
 #[cfg(test)]
@@ -17,7 +15,6 @@ mod tests;
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
-    storage_buffer,
 };
 use crate::voxels::{
     BoundPyramid, LIST_COUNT_BYTES, Pyramid, VoxelList, level_arguments, level_block,
@@ -45,17 +42,6 @@ struct Bound {
     changed: ChangedCells,
     /// All cells with changed surface, including removed ones.
     wrong: ChangedCells,
-    /// `None` if there is no emission.
-    shining: Option<Shining>,
-}
-
-/// Finds the cells in which emission is visible.
-#[derive(Debug)]
-struct Shining {
-    bits: Buffer,
-    levels: BoundPyramid,
-    relit: BindGroup,
-    list: BindGroup,
 }
 
 /// Finds the cells that have changed.
@@ -126,41 +112,28 @@ impl Changes {
         device: &wgpu::Device,
         old: Option<&VoxelList>,
         voxels: &VoxelList,
-        (shown, has_emission): (Shown<'_>, bool),
+        shown: Shown<'_>,
     ) {
-        let relit = |bits: &Buffer| {
-            BindGroupBuilder::new(&self.relit_layout)
-                .slice(&voxels.counts, level_block(0), LIST_COUNT_BYTES)
-                .buffer(&voxels.nodes)
-                .buffer(&voxels.first_faces)
-                .buffer(shown.now)
-                .buffer(shown.held)
-                .buffer(bits)
-                .build(device, "relit voxels")
-        };
+        let relit = BindGroupBuilder::new(&self.relit_layout)
+            .slice(&voxels.counts, level_block(0), LIST_COUNT_BYTES)
+            .buffer(&voxels.nodes)
+            .buffer(&voxels.first_faces)
+            .buffer(shown.now)
+            .buffer(shown.held)
+            .buffer(&self.bits)
+            .build(device, "relit voxels");
         let nodes = voxels.node_capacity();
         let gone = old.map_or(nodes, VoxelList::node_capacity);
         let cells = |count, only_occupied| {
             let bits = (&self.bits, voxels);
             self.lister.cells(device, &self.grid, bits, count, only_occupied)
         };
-        let changed = cells(nodes, true);
-        let shining = has_emission.then(|| {
-            let bits = storage_buffer(device, "shining cells", self.bits.size());
-            Shining {
-                levels: self.pyramid.bind(device, &self.grid, &bits),
-                relit: relit(&bits),
-                list: self.lister.other_bits(device, (&bits, voxels), &changed),
-                bits,
-            }
-        });
         self.bound = Some(Bound {
             occupancy: voxels.occupancy.clone(),
             counts: voxels.counts.clone(),
-            relit: relit(&self.bits),
-            changed,
+            relit,
+            changed: cells(nodes, true),
             wrong: cells(nodes + gone, false),
-            shining,
         });
     }
 
@@ -182,13 +155,6 @@ impl Changes {
         if self.is_list_new { self.list(recorder) } else { None }
     }
 
-    /// Call before all cells are stored: returns every occupied cell.
-    pub(crate) fn all(&mut self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
-        let bound = self.bound.as_ref()?;
-        recorder.copy((&bound.occupancy, 0), (&self.bits, 0), self.bits.size());
-        self.stored(recorder)
-    }
-
     /// Call before the current radiance is stored: returns the cells whose stored radiance differs.
     /// Afterwards `held` equals `now`.
     pub(crate) fn find(&mut self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
@@ -203,31 +169,6 @@ impl Changes {
             self.relit.dispatch_indirect(pass, &groups, &bound.counts, level_arguments(0));
         });
         self.pyramid.run(recorder, &self.globals, &self.levels);
-        self.stored(recorder)
-    }
-
-    /// Call before emission is stored on top of all other light: returns the cells in which it is
-    /// visible. They stay listed until other cells are requested ([`Self::listed`]). Afterwards
-    /// `held` equals `now`.
-    pub(crate) fn find_shining(&self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
-        let bound = self.bound.as_ref()?;
-        let shining = bound.shining.as_ref()?;
-        recorder.clear(&shining.bits);
-        recorder.compute("volume::changes::relit", |pass| {
-            let groups = [&self.globals, &shining.relit];
-            self.relit.dispatch_indirect(pass, &groups, &bound.counts, level_arguments(0));
-        });
-        self.pyramid.run(recorder, &self.globals, &shining.levels);
-        self.lister.list_bits(recorder, &self.globals, &bound.changed, &shining.list);
-        Some(&bound.changed)
-    }
-
-    /// The cells that were listed last.
-    pub(crate) fn listed(&self) -> Option<&ChangedCells> {
-        self.bound.as_ref().map(|bound| &bound.changed)
-    }
-
-    fn stored(&mut self, recorder: &mut Recorder<'_>) -> Option<&ChangedCells> {
         (self.is_list_new, self.is_forgotten, self.is_stored) = (false, false, true);
         self.list(recorder)
     }
@@ -258,8 +199,6 @@ impl Changes {
     /// Bytes on the GPU, by use.
     pub(crate) fn memory(&self) -> Vec<(&'static str, u64)> {
         let cells = self.cells().into_iter().flatten().map(ChangedCells::bytes).sum::<u64>();
-        let shining = self.bound.as_ref().and_then(|bound| bound.shining.as_ref());
-        let shining = shining.map_or(0, |shining| shining.bits.size());
-        vec![("voxels: changed cells", self.bits.size() + shining + cells)]
+        vec![("voxels: changed cells", self.bits.size() + cells)]
     }
 }

@@ -210,11 +210,7 @@ fn check_any_order(volume: VolumeKind) {
 
 #[test]
 fn a_small_change_writes_few_cells() {
-    let mut stage = Stage::new(VolumeKind::Dense, Directionality::SixLobes);
-    // Emissive cells would be written whenever their emission is hidden or shown.
-    for material in &mut stage.geometry.materials {
-        material.emission = Vec3::ZERO;
-    }
+    let stage = Stage::new(VolumeKind::Dense, Directionality::SixLobes);
     let mut gi = stage.gi();
     stage.voxelize(&mut gi, at(0.3, 0.4, 0.6));
     stage.light(&mut gi, 1, LAMP, Shadow::None);
@@ -231,5 +227,5 @@ fn a_small_change_writes_few_cells() {
     assert!((10..occupied).contains(&changed), "the lamp changed {changed} of {occupied}");
     stage.light(&mut gi, 2, LAMP, Shadow::None);
     let (changed, occupied) = stage.changed(&gi);
-    assert_eq!(changed, occupied, "bounces are not tracked");
+    assert!((10..=occupied).contains(&changed), "a bounce changed {changed} of {occupied}");
 }

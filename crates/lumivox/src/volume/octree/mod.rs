@@ -177,11 +177,6 @@ impl OctreeVolume {
         self.globals = bind_globals(device, &self.globals_layout, &self.tree, around);
     }
 
-    /// [`TreeNeeds`]; its first word is the overflow flags.
-    pub(crate) fn late_word(&self) -> &Buffer {
-        &self.state.needs
-    }
-
     /// Releases the bind groups, before another list or resized buffers are bound.
     pub(super) fn unbind(&mut self) {
         self.content = None;
