@@ -76,7 +76,7 @@ impl Gi {
     ///
     /// Light continues from the last call of this function or of [`Self::light`]: it computes
     /// direct light, if lights or surfaces have changed, and one gather. Light travels one bounce a
-    /// frame, and converges to the result of [`Self::light`] with very many bounces, about 22
+    /// frame, and converges to the result of [`Self::light`] with very many bounces, about 18
     /// gathers after the last change; 32 if faces take turns, with cascades, or with a
     /// [`ConeModel`](crate::hooks::ConeModel).
     ///

@@ -3,7 +3,9 @@
 // 1964).
 
 import package::cascades::cascade_of;
-import package::constants::{LINEAR_WORKGROUP_SIZE, MOMENTUM, RELAXATION};
+import package::constants::{
+    GROWTH_OF_MOMENTUM, LINEAR_WORKGROUP_SIZE, MOMENTUM, MOST_MOMENTUM, RELAXATION,
+};
 import package::gpu::dispatch::linear_index;
 import package::light::turn::{
     counts, face_in_turn, faces, first_fresh, from_emitters, irradiance, is_fresh, keep_last_step,
@@ -13,13 +15,14 @@ import package::light::gather_method::gathered_at;
 import package::voxels::morton::morton_decode;
 
 // The irradiance after a gather that found `sum`: it goes beyond the sum, and continues a share of
-// the last step. A channel whose change reverses its sign takes the sum itself. Otherwise light
-// between two walls closer than a voxel would diverge.
-fn relaxed(index: u32, before: vec3f, sum: vec3f) -> vec3f {
-    let change = sum - before;
+// the last step, which grows from the fifth gather on. A channel whose change reverses its sign
+// takes the sum itself. Otherwise light between two walls closer than a voxel would diverge.
+fn relaxed(index: u32, before: vec4f, sum: vec3f) -> vec3f {
+    let change = sum - before.rgb;
     let last = last_step(index);
-    let step = select(RELAXATION * change + MOMENTUM * last, change, change * last < vec3f(0.0));
-    return max(before + step, vec3f(0.0));
+    let momentum = min(MOMENTUM + GROWTH_OF_MOMENTUM * max(before.w - 3.0, 0.0), MOST_MOMENTUM);
+    let step = select(RELAXATION * change + momentum * last, change, change * last < vec3f(0.0));
+    return max(before.rgb + step, vec3f(0.0));
 }
 
 fn gather_at(index: u32) {
@@ -30,13 +33,15 @@ fn gather_at(index: u32) {
         sum += from_emitters(index);
     }
     let before = irradiance[index];
+    var gathers = 1.0;
     if settings.relaxes != 0u && before.w != 0.0 {
-        sum = relaxed(index, before.rgb, sum);
+        gathers += before.w;
+        sum = relaxed(index, before, sum);
         keep_last_step(index, sum - before.rgb);
     } else {
         keep_last_step(index, vec3f(0.0));
     }
-    irradiance[index] = vec4f(sum, 1.0);
+    irradiance[index] = vec4f(sum, gathers);
 }
 
 // The faces whose turn it is.

@@ -63,7 +63,9 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("RAY_CLASSES", turns::RAY_CLASSES)
         .constant_u32("MOVED_BOXES", turns::MOVED_BOXES)
         .constant_f32("RELAXATION", turns::RELAXATION)
-        .constant_f32("MOMENTUM", turns::MOMENTUM);
+        .constant_f32("MOMENTUM", turns::MOMENTUM)
+        .constant_f32("GROWTH_OF_MOMENTUM", turns::GROWTH_OF_MOMENTUM)
+        .constant_f32("MOST_MOMENTUM", turns::MOST_MOMENTUM);
 }
 
 /// `BounceSettings` of `turn.wgsl`.

@@ -44,7 +44,8 @@ struct BounceSettings {
 // zeros if there were no such voxels.
 @group(1) @binding(2) var<uniform> boxes: array<vec4u, 2 * MOVED_BOXES>;
 @group(1) @binding(3) var<storage, read> faces: array<Face>;
-// Gathered irradiance in rgb; w is 1 once a face has gathered.
+// Gathered irradiance in rgb; w is the number of gathers from the last plain one on, or 0 if the
+// face has never gathered.
 @group(1) @binding(4) var<storage, read_write> irradiance: array<vec4f>;
 // HIT_WORDS for each face: the hits of its FACE_RAYS rays, the adjacent faces (find.wgsl), the
 // irradiance straight from emitters, and the last step of the accelerated gathers.

@@ -8,7 +8,7 @@ use crate::cones::TraceSettings;
 const SETTLING_GATHERS: u32 = 32;
 
 /// As [`SETTLING_GATHERS`], for accelerated gathers.
-const SETTLING_RELAXED: u32 = 22;
+const SETTLING_RELAXED: u32 = 18;
 
 /// Gathers of every face after a change until less than a hundredth of it is missing.
 const NEARLY_SETTLED_GATHERS: u32 = 9;
@@ -20,6 +20,10 @@ const NEARLY_SETTLED_RELAXED: u32 = 6;
 /// and of the last step, whose sum is the next step. With 1.4 and 0.15 light overshoots by 2 %.
 pub(super) const RELAXATION: f32 = 1.3;
 pub(super) const MOMENTUM: f32 = 0.1;
+/// Growth of [`MOMENTUM`] with each gather from the fifth on, and its maximum: where surfaces
+/// reflect much light, later steps are nearly as long as the ones before.
+pub(super) const GROWTH_OF_MOMENTUM: f32 = 0.08;
+pub(super) const MOST_MOMENTUM: f32 = 0.6;
 
 /// Minimum number of bounces of a still picture whose gathers are accelerated. With fewer, light
 /// has exactly this number of bounces.
@@ -37,7 +41,7 @@ pub(super) const MOVED_BOXES: u32 = RAY_CLASSES + 1;
 
 /// Numbers of gathers of every face after which the far light of pixels is updated: later gathers
 /// change less and less.
-const SHOWN_GATHERS: [u32; 8] = [4, 6, 8, 12, 16, SETTLING_RELAXED, 26, SETTLING_GATHERS];
+const SHOWN_GATHERS: [u32; 8] = [4, 6, 8, 12, SETTLING_RELAXED, 22, 26, SETTLING_GATHERS];
 
 /// The work of a frame.
 #[allow(clippy::struct_excessive_bools, reason = "independent facts about one frame")]
@@ -187,8 +191,9 @@ impl Turns {
         let relaxes = bounces >= RELAXED_BOUNCES && !self.marches;
         let mut gathers = bounces.saturating_sub(1);
         if relaxes {
-            // As much light as by a half more plain gathers, if surfaces reflect 70 % or less.
-            gathers -= (gathers - 1) / 3;
+            // At least as much light as with the gathers that are left out, unless two walls only
+            // light each other.
+            gathers -= 2 * (gathers - 1) / 5;
         }
         let has_moved = self.has_moved;
         let is_lit = !(has_moved || self.is_unlit)
@@ -355,14 +360,14 @@ mod tests {
         let mut turns = Turns::default();
         turns.restart([1; 2], 17);
         let all: Vec<Turn> = std::iter::from_fn(|| next(&mut turns, None)).collect();
-        // Eleven of 22 gathers are done.
-        assert_eq!(all.len(), 11);
+        // Ten of 18 gathers are done.
+        assert_eq!(all.len(), 8);
         assert!(
             all.iter()
                 .all(|turn| !turn.is_direct_new && turn.shines == Shines::OnNone && turn.relaxes)
         );
         let shown = all.iter().filter(|turn| turn.shows_far).count();
-        assert!(all[10].shows_far && shown < 6, "{shown} of 11");
+        assert!(all[7].shows_far && shown < 4, "{shown} of 8");
     }
 
     #[test]
@@ -371,7 +376,7 @@ mod tests {
         assert!(!turns.restart([1; 2], 7).relaxes && turns.restart([1; 2], 8).relaxes);
         turns.disturb();
         let all: Vec<Turn> = std::iter::from_fn(|| next(&mut turns, None)).collect();
-        assert_eq!(all.len(), 22);
+        assert_eq!(all.len(), 18);
         assert!(!all[0].relaxes && all[1..].iter().all(|turn| turn.relaxes));
         turns.disturb();
         let quarters = std::iter::from_fn(|| next(&mut turns, Some(25)));
