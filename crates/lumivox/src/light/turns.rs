@@ -88,7 +88,7 @@ pub(super) struct Turn {
 pub(super) enum Shines {
     /// No faces: neither emitters nor occluders have changed.
     OnNone,
-    /// Of the faces that may see emitters past moved surface, those whose turn it is.
+    /// Faces that may see emitters past moved surface, a group of them a frame.
     BehindMoved,
     /// All faces.
     OnAll,
