@@ -43,14 +43,18 @@ struct Slot {
 }
 
 impl Slot {
-    fn new(device: &wgpu::Device, bytes: u64) -> Self {
+    /// `None` if the device is lost: mapping the buffer would be an error.
+    fn new(device: &wgpu::Device, bytes: u64) -> Option<Self> {
         let descriptor = wgpu::BufferDescriptor {
             label: Some("late read"),
             size: bytes,
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
+            mapped_at_creation: true,
         };
-        Self { buffer: Buffer::new(device, &descriptor), state: None, number: 0 }
+        let buffer = Buffer::new(device, &descriptor);
+        buffer.get_mapped_range_mut(..).ok()?;
+        buffer.unmap();
+        Some(Self { buffer, state: None, number: 0 })
     }
 
     fn is_mapped(&self) -> bool {
@@ -71,7 +75,10 @@ impl LateReads {
     pub fn record(&mut self, recorder: &mut Recorder<'_>, sources: &[(&Buffer, u64, u64)]) {
         self.recorded += 1;
         let bytes = sources.iter().map(|source| source.2).sum();
-        self.slots.resize_with(SLOTS, || Slot::new(recorder.device(), bytes));
+        if self.slots.is_empty() {
+            let slots = (0..SLOTS).filter_map(|_| Slot::new(recorder.device(), bytes));
+            self.slots.extend(slots);
+        }
         // Slots with dropped encoders are free again.
         for slot in &mut self.slots {
             let is_lost = |state: &Arc<AtomicU8>| {
@@ -273,6 +280,10 @@ mod tests {
         word.submit(10, first, 1);
         word.device.destroy();
         assert_eq!(word.latest(), None);
+        // Slots of later reads cannot be created.
+        word.reads = LateReads::default();
+        drop(word.record());
+        assert_eq!(word.reads.peek(), (LastRead::Lost, None));
     }
 
     #[test]
