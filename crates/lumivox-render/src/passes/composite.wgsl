@@ -67,7 +67,8 @@ var<private> traced_specular: vec4f;
 fn take_traced_around(pixel: vec2u, surface: Surface) {
     traced_irradiance = vec4f(0.0);
     traced_specular = vec4f(0.0);
-    var weights = 0.0;
+    // For the background no samples are searched.
+    var weights = select(1.0, 0.0, surface.depth > 0.0);
     for (var reach = 1; reach <= 16 && weights < LEAST_MATCH; reach *= 2) {
         for (var i = 0; i < 9; i++) {
             let away = reach * (vec2i(i % 3, i / 3) - 1);
