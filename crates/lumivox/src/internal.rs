@@ -5,3 +5,5 @@ pub use crate::gpu::indirect::{BoundIndirect, Indirect, Run};
 pub use crate::gpu::memory::{Memory, Remedy};
 pub use crate::gpu::resources::{BufferHandle, Kept, ViewHandle, note_wait, waits};
 pub use crate::gpu::scan::{BoundScan, Scan};
+pub use crate::gpu::variants::KernelVariants;
+pub use crate::light::TRACES_SHADOWS;

@@ -137,7 +137,7 @@ fn requests_beyond_gpu_limits_name_the_limit() {
         folder.path(),
         line,
         GPU,
-        &["max_storage_buffer_binding_size", "resolution to at most"],
+        &["max_storage_buffer_binding_size", "a resolution of 512 would fit"],
     );
 }
 

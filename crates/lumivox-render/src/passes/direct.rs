@@ -2,9 +2,9 @@
 //! microfacet gloss of `package::trace::brdf`, per pixel and light.
 
 use lumivox::gpu::{
-    BindGroupBuilder, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
-    TextureView,
+    BindGroupBuilder, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary, TextureView,
 };
+use lumivox::internal::{KernelVariants, TRACES_SHADOWS};
 use lumivox::{Gi, GiView, Lights};
 
 use crate::gpu::textures::ScreenTextures;
@@ -17,7 +17,8 @@ const SPECULAR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 /// Evaluates the analytic lights.
 #[derive(Debug)]
 pub struct DirectPass {
-    kernel: Kernel,
+    /// With and without rays for shadows.
+    kernels: KernelVariants,
     layout: wgpu::BindGroupLayout,
 }
 
@@ -44,8 +45,14 @@ impl DirectPass {
             .depth_2d_array()
             .build(device, "direct light");
         let groups = [gi.globals_layout(), &layout, gi.lights_layout(), gi.gbuffer_layout()];
-        let kernel = Kernel::new(device, shaders, "render::passes::direct", "main", &groups)?;
-        Ok(Self { kernel, layout })
+        let (feature, module) = (TRACES_SHADOWS, "render::passes::direct");
+        let kernels = KernelVariants::new(device, shaders, feature, module, "main", &groups)?;
+        Ok(Self { kernels, layout })
+    }
+
+    /// Queues a variant for compilation.
+    pub(crate) fn expect(&self, device: &Pipelines, traces_shadows: bool) {
+        self.kernels.expect(device, traces_shadows);
     }
 
     pub(crate) fn targets(textures: &mut ScreenTextures<'_>) -> DirectTargets {
@@ -71,6 +78,10 @@ impl DirectPass {
             .view(&near.maps)
             .build(device, "direct light");
         let groups = [gi.globals(), &group, &lights.group, view.group()];
-        self.kernel.run(recorder, &groups, [view.size().x, view.size().y, 1]);
+        self.kernels.variant(lights.has_cone_shadows).run(
+            recorder,
+            &groups,
+            [view.size().x, view.size().y, 1],
+        );
     }
 }

@@ -57,6 +57,7 @@ impl Passes {
         scene: &GpuScene,
         method: ShadowMethod,
     ) -> Result<(), RenderError> {
+        self.direct.expect(&gpu.pipelines, method == ShadowMethod::Cone);
         self.shadows = match method {
             ShadowMethod::Map => Some(ShadowMapPass::new(&gpu.pipelines, &self.shaders, scene)?),
             ShadowMethod::Cone => None,

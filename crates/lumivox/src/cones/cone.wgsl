@@ -34,6 +34,7 @@ struct Cone {
 }
 
 struct Traced {
+    // Exact hits: reflected radiance. A march: all of it.
     radiance: vec3f,
     // The share of the cone that hits nothing. In a march it can be negative, down to -SURPLUS,
     // after an oblique wall that counted too much.
@@ -43,8 +44,7 @@ struct Traced {
     samples: u32,
     // The mean distance of the cone's hits, in voxels; the outside counts as far away.
     distance: f32,
-    // The radiance emitted by the face that the cone ends on, whether or not the volume contains
-    // emission. A march leaves it at zero.
+    // The radiance emitted by the face that the cone ends on. A march leaves it at zero.
     emission: vec3f,
     // The radiance emitted by the face that the cone hits. Unlike `emission`, it is not zero if
     // other surface in the voxel lies between the hit and the point where the face's light is

@@ -65,7 +65,7 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     let extent = outer_high() - outer_low();
     let is_met = hit.face != NOTHING;
     return Traced(
-        shown_by(hit.face),
+        shown_by(hit.face, false),
         select(1.0, 0.0, is_met),
         select(1.0, 0.0, is_met && hit.distance < settings.occlusion_distance),
         passed.steps,

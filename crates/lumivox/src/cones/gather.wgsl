@@ -1,5 +1,5 @@
 // Irradiance at a point: the sum over the N cones of the hemisphere, each with the weight pi / N,
-// plus the environment through their open share.
+// plus the environment through their open share. Emitters are not seen if they are sampled instead.
 
 import package::constants::PI;
 import package::environment::environment_radiance;
@@ -7,6 +7,7 @@ import package::cones::cone::{Cone, ConeSettings};
 import package::cones::trace_method::{cone_growth, cone_start, trace_cone};
 import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
 import package::cones::model::place_in_cell;
+import package::emitters::gather::has_emitters;
 
 struct Gathered {
     irradiance: vec3f,
@@ -46,8 +47,9 @@ fn gather(
             cone_growth(local.tan_half_angle, dot(direction, geometric_normal), settings);
         let level_offset = fract(level_start + f32(cell) * 0.618034);
         let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset, level), settings);
+        let radiance = traced.radiance + select(traced.emission, vec3f(0.0), has_emitters());
         sum.irradiance += weight
-            * (traced.radiance + traced.transmittance * environment_radiance(direction, growth));
+            * (radiance + traced.transmittance * environment_radiance(direction, growth));
         sum.openness += traced.openness;
         sum.samples += traced.samples;
     }

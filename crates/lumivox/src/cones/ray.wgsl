@@ -11,13 +11,13 @@
 import package::cascades::{
     box_size, finest_level, lowest_voxel, outer_high, outer_low, stored_cell,
 };
-import package::constants::{CASCADES, PATCH_WORDS};
+import package::constants::CASCADES;
 import package::cones::side::face_seen_at;
 import package::gpu::random::hash;
 import package::volume::patch::{unpack_patch, unpack_radiance, BLACK, NOTHING, UNLIT};
-import package::volume::surface::{index, patches};
+import package::volume::surface::{index_texel, patch_texel};
 import package::voxels::covered::{across, is_covered};
-import package::voxels::index::{first_block, first_entry, FACE_BITS};
+import package::voxels::index::{first_entry, FACE_BITS};
 import package::voxels::lookup::bits_below;
 import package::voxels::morton::morton_encode;
 
@@ -67,8 +67,8 @@ fn hit_faces(
     var hit = Hit(reach, NOTHING, false, NOTHING);
     let first = entry & ((1u << FACE_BITS) - 1u);
     for (var face = first; face < first + (entry >> FACE_BITS); face++) {
-        let place = PATCH_WORDS * face;
-        let plane = unpack_patch(patches[place], patches[place + 4u]);
+        let texel = patch_texel(face, 0u);
+        let plane = unpack_patch(texel.xy, patch_texel(face, 2u).xy);
         let cosine = dot(plane.normal, direction);
         let distance = (plane.offset - dot(plane.normal, origin)) / select(cosine, 1e-9, abs(cosine) < 1e-9);
         let is_back = cosine > 0.0;
@@ -76,7 +76,7 @@ fn hit_faces(
         let is_met = distance > 0.0 && distance < hit.distance && (!is_back || blocks);
         let point = origin + direction * distance;
         let at = across(point, plane.lobe >> 1u);
-        if is_met && is_covered(at, patches[place + 1u], vec4u(patches[place + 2u], patches[place + 3u])) {
+        if is_met && is_covered(at, texel.zw, patch_texel(face, 1u)) {
             let is_solid = plane.holes == 0u
                 || ((*passed).draws && !passes(direction, face, plane.holes));
             if is_solid {
@@ -122,7 +122,6 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     let leave = max(to_low, to_high);
     let end = min(min(leave.x, leave.y), min(leave.z, ray.reach));
     let own = OWN * exp2(f32(ray.level));
-    let blocks = first_block();
     let entries = first_entry();
     let size = vec3i(box_size());
     var distance = max(max(enter.x, enter.y), max(enter.z, 0.0));
@@ -139,8 +138,7 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
     while is_inside {
         // Skip empty space. On wide machines, lanes leave this inner loop one by one and then test
         // faces together.
-        var place = 0u;
-        var before = 0u;
+        var rank = 0u;
         var next = distance;
         loop {
             distance = next;
@@ -154,21 +152,14 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             voxel = select(vec3i(floor(ahead / edge)), known, is_known);
             voxel = clamp(voxel, lowest, lowest + size - 1);
             let code = morton_encode(stored_cell(voxel, 0u, cascade));
-            let word = code / 32u;
-            let block = code / 512u;
-            let bits = index[2u * word];
-            // Blocks of 2 x 2 x 2 are a byte of bits, of 4 x 4 x 4 two words.
-            var step = select(1, 2, ((bits >> (code & 24u)) & 0xffu) == 0u);
-            let block_bits = index[blocks + block / 32u];
-            if (block_bits & (1u << (block % 32u))) == 0u {
-                // Blocks of 16 x 16 x 16 are a byte of these bits, of 32 x 32 x 32 two words.
-                step = select(8, 16, CASCADES == 0u && ((block_bits >> (block & 24u)) & 0xffu) == 0u);
-                if CASCADES == 0u && (block_bits | index[blocks + ((block / 32u) ^ 1u)]) == 0u {
-                    step = 32;
-                }
-            } else if (bits | index[2u * (word ^ 1u)]) == 0u {
-                step = 4;
-            }
+            let pair = index_texel(code / 64u);
+            let own_word = select(pair.xy, pair.zw, (code & 32u) != 0u);
+            let bits = own_word.x;
+            // Blocks of 2 x 2 x 2 are a byte of bits.
+            let is_empty = (pair.x | pair.z) == 0u;
+            let small = select(1u, 2u, ((bits >> (code & 24u)) & 0xffu) == 0u);
+            // Zeros, before anything was voxelized, count as empty.
+            var step = i32(select(small, max(pair.y, 4u), is_empty));
             var corner = voxel & vec3i(-step);
             if CASCADES > 0u && (any(corner < lowest) || any(corner + step > lowest + size)) {
                 // The block wraps around in storage and includes cells of the box's other end.
@@ -182,15 +173,14 @@ fn trace_ray(ray: Ray, passed: ptr<function, Passed>) -> Hit {
             next = max(least, distance + select(0.0, nudge, CASCADES > 0u));
             is_known = (walls == vec3f(least)) & vec3<bool>(CASCADES == 0u);
             known = select(corner - 1, corner + step, is_forward);
-            place = 2u * word + 1u;
-            before = bits_below(bits, code % 32u);
+            rank = own_word.y + bits_below(bits, code % 32u);
             let is_occupied = (bits & (1u << (code % 32u))) != 0u;
             continuing {
                 break if is_occupied || !is_inside;
             }
         }
         if is_inside {
-            entry = index[entries + index[place] + before];
+            entry = index_texel(entries + rank / 4u)[rank % 4u];
             let origin = ray.origin_in_grid / edge - vec3f(voxel);
             // Hits beyond the voxel belong to the next one.
             let reach = min(ray.reach, next + BEYOND * edge) / edge;
@@ -212,13 +202,14 @@ fn emitted_by(face: u32) -> vec3f {
     if face >= UNLIT {
         return vec3f(0.0);
     }
-    return unpack_radiance(patches[PATCH_WORDS * face + 5u]);
+    return unpack_radiance(patch_texel(face, 2u).zw);
 }
 
-// The radiance that a face shows; black if `face` is not a face.
-fn shown_by(face: u32) -> vec3f {
+// The radiance that a face reflects, and emits if asked; black if `face` is not a face.
+fn shown_by(face: u32, with_emission: bool) -> vec3f {
     if face >= UNLIT {
         return vec3f(0.0);
     }
-    return unpack_radiance(patches[PATCH_WORDS * face + 4u]);
+    let texel = patch_texel(face, 2u);
+    return unpack_radiance(texel.xy) + select(vec3f(0.0), unpack_radiance(texel.zw), with_emission);
 }

@@ -45,7 +45,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     settings.occlusion_distance = 3e38;
     settings.model_values = vec4f(0.5, 2.0, 0.0, 0.0);
     let result = trace_cone(Cone(cone.origin, cone.direction, cone.growth, cone.reach, cone.level_offset, 0u), settings);
-    traced[id.x] = vec4f(result.radiance, result.transmittance);
+    traced[id.x] = vec4f(result.radiance + result.emission, result.transmittance);
 }";
 
 /// As in `march.wgsl`.
@@ -255,24 +255,34 @@ fn trace(device: &Pipelines, queue: &wgpu::Queue, config: GiConfig) -> Traced {
     let lights = gi.bind_lights(&[], Vec3::ZERO, None);
     let mut recorder = Recorder::new(device, queue);
     gi.light(&mut recorder, &lights, 2, &TraceSettings::default()).expect("valid settings");
-
+    recorder.submit();
     let cones = cones(&grid);
+    let found = trace_cones((device, queue), &gi, CONES_WGSL, &cones);
+    Traced { gi, cones, found }
+}
+
+/// The results of cones.
+fn trace_cones(
+    (device, queue): (&Pipelines, &wgpu::Queue),
+    gi: &Gi,
+    source: &str,
+    cones: &[ConeIn],
+) -> Vec<Vec4> {
     let mut shaders = gi.shaders().clone();
-    shaders.add("test::cones", CONES_WGSL);
+    shaders.add("test::cones", source);
     let layout =
         LayoutBuilder::compute().storage().storage_mut().build(gi.pipelines(), "test cones");
     let layouts = [gi.globals_layout(), &layout];
     let kernel =
         Kernel::new(gi.pipelines(), &shaders, "test::cones", "main", &layouts).expect("it links");
-    let input = upload(device, "cones", &cones);
+    let input = upload(device, "cones", cones);
     let output = storage_buffer(device, "traced", cones.len() as u64 * 16);
     let group =
         BindGroupBuilder::new(&layout).buffer(&input).buffer(&output).build(device, "test cones");
+    let mut recorder = Recorder::new(device, queue);
     kernel.run_linear(&mut recorder, &[gi.globals(), &group], cones.len() as u64);
     recorder.submit();
-
-    let traced: Vec<Vec4> = read(device, queue, &output, cones.len());
-    Traced { gi, cones, found: traced }
+    read(device, queue, &output, cones.len())
 }
 
 /// Rays that test all faces, one after another.
@@ -319,6 +329,21 @@ fn covers(face: &FaceRecord, at: Vec3) -> bool {
         && (v - y).abs() <= 0.01
         && mask >> square & 1 == 1
         && face.profiles.iter().zip(along).all(|(bits, place)| bit(*bits, place))
+}
+
+/// Before anything is voxelized, rays leave the grid in steps of at least four voxels.
+#[test]
+fn rays_without_voxels_leave_the_grid_in_few_steps() {
+    let (device, queue) = device();
+    let grid = Grid::fit(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.9), 32, Vec3::ZERO).expect("fits");
+    let gi = Gi::with_pipelines(&device, &queue, GiConfig::new(grid)).expect("a device");
+    let source = CONES_WGSL.replace(
+        "vec4f(result.radiance + result.emission, result.transmittance)",
+        "vec4f(f32(result.samples), 0.0, 0.0, result.transmittance)",
+    );
+    for found in trace_cones((&device, &queue), &gi, &source, &cones(&grid)) {
+        assert!(found.x <= 3.0 * 8.0 + 1.0 && found.w == 1.0, "{found}");
+    }
 }
 
 #[test]

@@ -1,8 +1,7 @@
 //! Emissive surfaces as lights: a list of their triangles, which gathers sample.
 //!
 //! Cones rarely hit a small lamp. So diffuse gathers sample points on lamps instead, and their
-//! cones leave emission out: the volume then shows only reflected light ([`crate::light`]). Glossy
-//! cones find emission in the volume, since a mirror shows a lamp in only one direction.
+//! cones leave emission out.
 //!
 //! The list is made from the triangles themselves, so that a lamp's light does not depend on its
 //! voxels: each entry has the corners in the grid's coordinates and the radiance, 64 bytes
@@ -22,7 +21,6 @@
 //! | `draw.wgsl` | a point on an emitter | candidate |
 //! | `gather.wgsl` | the best of some points, and a ray to it | gather |
 
-mod kernel;
 mod order;
 #[cfg(test)]
 mod tests;
@@ -38,16 +36,18 @@ use crate::voxelize::batch::{Fallbacks, run_group, textures_of, triangles_group}
 use crate::voxelize::input::{DrawGroup, PreparedBatch, ShareInput, emission_scale, emits};
 use crate::{Geometry, GeometryBatch, GiError, Grid, SurfaceMaterial, SurfaceTexture};
 
-pub(crate) use kernel::SamplingKernel;
 use order::Order;
 pub(crate) use order::empty_list;
 #[cfg(test)]
 pub(crate) use order::{Sorting, TreePart};
 
+/// The constant that decides whether a kernel samples emitters.
+pub(crate) const SAMPLES_EMITTERS: &str = "SAMPLES_EMITTERS";
+
 /// Defines the constants that Rust and the shaders of this folder share.
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library
-        .constant_u32("SAMPLES_EMITTERS", 1)
+        .constant_u32(SAMPLES_EMITTERS, 1)
         .constant_u32("SORT_WORKGROUP_SIZE", order::SORT_WORKGROUP_SIZE)
         .constant_u32("SORT_BLOCK", order::SORT_BLOCK)
         .constant_u32("TREE_PASS_NODES", order::TREE_PASS_NODES)
@@ -305,12 +305,12 @@ impl Emitters {
         Ok(has_grown)
     }
 
-    /// Disables emitter sampling while the volume contains emission.
+    /// Disables emitter sampling: rays see emission instead.
     pub(crate) fn rest(&self, recorder: &mut Recorder<'_>) {
         recorder.copy((&self.words[0], 0), (self.order.list(), SHOWN_BYTE), 4);
     }
 
-    /// Enables emitter sampling, since rays will no longer see emission.
+    /// Enables emitter sampling: rays no longer see emission.
     pub(crate) fn wake(&self, recorder: &mut Recorder<'_>) {
         recorder.copy((&self.words[1], 0), (self.order.list(), SHOWN_BYTE), 4);
     }

@@ -230,8 +230,8 @@ impl Gi {
             }
             let changed = changes.as_ref().and_then(Changes::cells);
             volume.bind(device, (next.list, shown.now), changed);
-            if let Some(patches) = volume.patches() {
-                lighting.bind_far(device, next.list, patches);
+            if let Some(surface) = volume.surface() {
+                lighting.bind_far(device, next.list, surface);
             }
         }
         voxelizer.commit(recorder, scene);

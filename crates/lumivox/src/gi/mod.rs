@@ -343,7 +343,10 @@ impl Gi {
         let has_emitters = self.draws_emitters() && Emitters::are_in(geometry);
         if has_emitters {
             self.emitters.expect(&self.device);
-            self.volume.expect_emitters(&self.device);
+        }
+        if in_frames {
+            // Shadows may change their method at any time.
+            self.lighting.expect_shadow_rays(&self.device);
         }
         if bounces > 0 {
             self.link_cones(settings.resolution, settings.temporal)?;
@@ -404,7 +407,12 @@ impl Gi {
         shadows: impl Into<ShadowSource<'a>>,
     ) -> Lights {
         let (layout, white) = (&self.lights_layout, &self.white);
-        Lights::new(&self.device, layout, lights, environment.into(), white, shadows.into())
+        let lights =
+            Lights::new(&self.device, layout, lights, environment.into(), white, shadows.into());
+        if lights.has_cone_shadows {
+            self.lighting.expect_shadow_rays(&self.device);
+        }
+        lights
     }
 
     /// Lights the voxels: direct light and emission, then bounces.

@@ -117,10 +117,8 @@ impl Gi {
         let gatherer = self.point_gatherer()?;
         let cones = settings.cones.cones(self.config.grid.voxel_size_m, self.cone_values);
         let bound = [self.volume.globals(), &lights.group];
-        self.hide_emission(recorder, true);
         let bound = (bound, self.emitters.has_any());
         gatherer.run(recorder, bound, points, settings, cones);
-        self.hide_emission(recorder, false);
         Ok(())
     }
 

@@ -185,16 +185,10 @@ impl Gi {
             lights: &lights.group,
             gbuffer: view.group(),
             has_emitters: self.emitters.has_any(),
-            hide_emission: &|recorder, hides| self.hide_emission(recorder, hides),
             content: [self.content, lights.version],
         };
         self.tracer.run(recorder, &bound, view.targets(), &screen);
         view.set_traced();
         Ok(())
-    }
-
-    /// Makes the volume show only reflected light, or all light again, in later commands.
-    pub(super) fn hide_emission(&self, recorder: &mut Recorder<'_>, hides: bool) {
-        self.lighting.hide_emission(recorder, &self.volume, hides);
     }
 }

@@ -23,7 +23,7 @@ pub enum Remedy {
 
 impl Remedy {
     /// The suggestion in words; `share` is available / needed memory.
-    fn words(self, share: f64) -> String {
+    pub(super) fn words(self, share: f64) -> String {
         let lower = |resolution: u32, share: f64| {
             let fits = (f64::from(resolution) * share) as u32 / 8 * 8;
             format!("a resolution of {} would fit", fits.max(crate::MIN_RESOLUTION))

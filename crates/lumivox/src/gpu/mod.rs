@@ -16,6 +16,8 @@ mod recorder;
 pub(crate) mod resources;
 pub(crate) mod scan;
 mod slots;
+mod texels;
+pub(crate) mod variants;
 
 pub use bindings::{BindGroupBuilder, LayoutBuilder};
 pub(crate) use buffers::{Staged, counted_buffer};
@@ -34,6 +36,8 @@ pub use resources::{BindGroup, Buffer, LiveResources, MadeResources, Texture, Te
 pub(crate) use resources::{BufferHandle, Kept, ViewHandle, note_wait};
 pub(crate) use scan::{BoundScan, Scan};
 pub(crate) use slots::{Slot, Slots};
+pub(crate) use texels::{TEXEL_COLUMNS, TEXELS, texel_bytes, texels};
+pub(crate) use variants::KernelVariants;
 
 /// Defines constants of number formats, and those that Rust and this folder's shaders share.
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
@@ -42,6 +46,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_f32("LARGEST_HALF", half::f16::MAX.to_f32())
         .constant_u32("LINEAR_WORKGROUP_SIZE", LINEAR_WORKGROUP_SIZE)
         .constant_u32("MAX_WORKGROUPS", kernel::MAX_WORKGROUPS)
+        .constant_u32("TEXEL_COLUMNS", TEXEL_COLUMNS)
         .constant_u32("SCAN_WORKGROUP_SIZE", scan::SCAN_WORKGROUP_SIZE)
         .constant_u32("SCAN_ITEMS", scan::SCAN_ITEMS);
 }

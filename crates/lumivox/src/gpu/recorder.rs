@@ -203,6 +203,15 @@ impl<'a> Recorder<'a> {
         held.keep(from.kept().into_iter().chain(to.kept()));
     }
 
+    /// Copies a 2D texture to the rows from `row` on of another of the same width and format.
+    pub(crate) fn copy_rows(&mut self, from: &Texture, (to, row): (&Texture, u32)) {
+        let (encoder, held) = self.target.parts();
+        let origin = wgpu::Origin3d { x: 0, y: row, z: 0 };
+        let target = wgpu::TexelCopyTextureInfo { origin, ..to.as_image_copy() };
+        encoder.copy_texture_to_texture(from.as_image_copy(), target, from.size());
+        held.keep([from, to].map(|texture| Kept::Texture(texture.clone())));
+    }
+
     /// Copies a 2D texture to another of the same size and format.
     pub fn copy_texture(&mut self, from: &Texture, to: &Texture) {
         let (encoder, held) = self.target.parts();

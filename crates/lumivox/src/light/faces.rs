@@ -3,8 +3,10 @@
 use super::kernels::{FarKernels, LightKernels};
 use super::turns::MOVED_BOXES;
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kernel, Recorder, counted_buffer, storage_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, Recorder, Texture, counted_buffer, storage_buffer,
+    texel_bytes, texels,
 };
+use crate::volume::Surface;
 use crate::volume::changes::Shown;
 use crate::voxelize::{Collected, Moving};
 use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList};
@@ -16,7 +18,7 @@ const HIT_BYTES: u64 = 4 * HIT_WORDS as u64;
 
 /// Cells of the hemisphere for a face's far light, a word each.
 pub(super) const FAR_CELLS: u32 = 16;
-pub(crate) const FAR_BYTES: u64 = 4 * FAR_CELLS as u64;
+pub(crate) const FAR_TEXELS: u32 = FAR_CELLS / 4;
 
 /// Per-face light buffers of a voxel list.
 #[derive(Debug)]
@@ -56,36 +58,39 @@ pub(super) struct Faces {
 #[derive(Debug)]
 pub(super) struct Far {
     /// Far light: first of single faces, finally of 7 x 7.
-    pub(super) light: Buffer,
+    pub(super) light: Texture,
     pub(super) collect: BindGroup,
     pub(super) rows: BindGroup,
     pub(super) columns: BindGroup,
 }
 
 impl Far {
-    /// Far light is shared by way of the place in `patches` where rays will read it.
+    /// Far light is shared by way of the place in `surface` where rays will read it.
     fn new(
         device: &wgpu::Device,
         kernels: &FarKernels,
-        bounce_layout: &wgpu::BindGroupLayout,
-        [settings, boxes, hits, patches]: [&Buffer; 4],
+        [settings, boxes, hits]: [&Buffer; 3],
+        surface: &Surface,
         list: &VoxelList,
     ) -> Self {
-        let light = storage_buffer(device, "far light", list.face_capacity() * FAR_BYTES);
-        let collect = BindGroupBuilder::new(bounce_layout)
+        let light = texels(device, "far light", list.face_capacity() * u64::from(FAR_TEXELS));
+        let (light_view, read_view) = (light.view(), surface.texture().view());
+        let collect = BindGroupBuilder::new(&kernels.collect_layout)
             .buffer(settings)
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
             .buffer(boxes)
             .buffer(&list.faces)
-            .buffer(&light)
+            .view(&light_view)
             .buffer(hits)
             .build(device, "far light");
-        let [rows, columns] = [[&light, patches], [patches, &light]].map(|[from, to]| {
+        let views = [&light_view, &read_view];
+        let [rows, columns] = [views, [views[1], views[0]]].map(|[from, to]| {
             BindGroupBuilder::new(&kernels.share_layout)
                 .slice(&list.counts, 0, LIST_COUNT_BYTES)
                 .buffer(hits)
-                .buffer(from)
-                .buffer(to)
+                .buffer(surface.parts())
+                .view(from)
+                .view(to)
                 .build(device, "share far light")
         });
         Self { light, collect, rows, columns }
@@ -212,17 +217,17 @@ impl Faces {
         }
     }
 
-    /// Binds the patches of the list, behind which far light is stored.
+    /// Binds the surface that rays meet, with its far light.
     pub fn bind_far(
         &mut self,
         device: &wgpu::Device,
         kernels: &LightKernels,
-        (settings, patches): (&Buffer, &Buffer),
+        (settings, surface): (&Buffer, &Surface),
         list: &VoxelList,
     ) {
-        let buffers = [settings, &self.boxes, &self.hits, patches];
+        let buffers = [settings, &self.boxes, &self.hits];
         let far = kernels.far.as_ref();
-        self.far = far.map(|far| Far::new(device, far, &kernels.bounce_layout, buffers, list));
+        self.far = far.map(|far| Far::new(device, far, buffers, surface, list));
     }
 
     /// `true` if bound to the buffers of a list that is about to be committed.
@@ -296,7 +301,7 @@ impl Faces {
             ("light: radiance of the faces", self.radiance.size()),
             ("light: radiance of the faces in cells", self.held.size()),
             ("light: what the faces' rays meet", self.hits.size()),
-            ("light: from afar", self.far.iter().map(|far| far.light.size()).sum()),
+            ("light: from afar", self.far.iter().map(|far| texel_bytes(&far.light)).sum()),
         ]
     }
 }

@@ -5,9 +5,10 @@ import package::cascades::cascade_of;
 import package::cones::hemisphere::{basis, cell_cone};
 import package::cones::ray::shown_by;
 import package::cones::trace_method::cone_growth;
-import package::constants::{HIDDEN, HIT_WORDS, LINEAR_WORKGROUP_SIZE};
+import package::constants::{FAR_CELLS, FAR_TEXELS, HIDDEN, HIT_WORDS, LINEAR_WORKGROUP_SIZE};
 import package::environment::environment_radiance;
 import package::gpu::dispatch::linear_index;
+import package::gpu::texels::texel_place;
 import package::grid::grid_from_world;
 import package::light::turn::{counts, face_jitter, faces, hits, settings, FACE_RAYS, HIT_OFFSET};
 import package::volume::far_light::{pack_far_light, FarLight, NEAR, NO_FAR_LIGHT};
@@ -16,7 +17,7 @@ import package::volume::surface::far_cells;
 import package::voxels::list::Face;
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(4) var<storage, read_write> far: array<u32>;
+@group(1) @binding(4) var far: texture_storage_2d<rgba32uint, write>;
 
 // The far light of a ray that has met a surface, packed.
 fn brought(index: u32, face: Face, met: u32) -> u32 {
@@ -28,7 +29,7 @@ fn brought(index: u32, face: Face, met: u32) -> u32 {
     if dot(away, away) < near * near {
         return NO_FAR_LIGHT;
     }
-    return pack_far_light(FarLight(shown_by(met), 0.0));
+    return pack_far_light(FarLight(shown_by(met, settings.has_emitters == 0u), 0.0));
 }
 
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
@@ -42,11 +43,12 @@ fn main(
     }
     let face = faces[index];
     let rays = far_cells();
+    var packed = array<u32, FAR_CELLS>();
     var open = 0u;
     for (var i = 0u; i < rays; i++) {
         let hit = hits[index * HIT_WORDS + i];
         let met = hit - HIT_OFFSET;
-        far[index * FACE_RAYS + i] = select(NO_FAR_LIGHT, brought(index, face, met), hit != 0u);
+        packed[i] = select(NO_FAR_LIGHT, brought(index, face, met), hit != 0u);
         open |= u32(met == NOTHING) << i;
     }
     // The rays that leave the grid, a loop of their own: in closed rooms there are none.
@@ -58,11 +60,16 @@ fn main(
         let growth = cone_growth(local.tan_half_angle, local.direction.z, settings.cones);
         let outside = environment_radiance(world_from_normal * local.direction, growth);
         if open != 0u {
-            far[index * FACE_RAYS + i] = pack_far_light(FarLight(outside, 1.0));
+            packed[i] = pack_far_light(FarLight(outside, 1.0));
         }
         open &= open - 1u;
         continuing {
             break if open == 0u;
         }
+    }
+    for (var texel = 0u; texel < FAR_TEXELS; texel++) {
+        let i = 4u * texel;
+        let words = vec4u(packed[i], packed[i + 1u], packed[i + 2u], packed[i + 3u]);
+        textureStore(far, texel_place(FAR_TEXELS * index + texel), words);
     }
 }

@@ -18,7 +18,7 @@ fn gathered_at(index: u32, face: Face, level: u32) -> vec3f {
     var open = 0u;
     for (var i = 0u; i < FACE_RAYS; i++) {
         let met = hits[index * HIT_WORDS + i] - HIT_OFFSET;
-        sum += shown_by(met);
+        sum += shown_by(met, settings.has_emitters == 0u);
         open |= u32(met == NOTHING) << i;
     }
     // The rays that leave the grid, a loop of their own: in closed rooms there are none.

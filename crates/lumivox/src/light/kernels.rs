@@ -1,10 +1,12 @@
 //! The kernels that compute the light of faces.
 
+use super::TRACES_SHADOWS;
 use super::faces::Faces;
 use super::turns::Turn;
 use crate::GiError;
 use crate::gpu::{
-    BindGroup, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError, ShaderLibrary,
+    BindGroup, Kernel, KernelVariants, LayoutBuilder, Pipelines, Recorder, ShaderError,
+    ShaderLibrary, TEXELS, Texture,
 };
 use crate::voxels::FACE_ARGUMENTS;
 
@@ -35,6 +37,7 @@ pub(super) struct LightKernels {
 /// The kernels of far light.
 #[derive(Debug)]
 pub(super) struct FarKernels {
+    pub collect_layout: wgpu::BindGroupLayout,
     pub share_layout: wgpu::BindGroupLayout,
     collect: Kernel,
     rows: Kernel,
@@ -94,15 +97,34 @@ impl LightKernels {
             Ok::<_, ShaderError>([find("main")?, find("beside")?])
         };
         let far = || {
-            let share_layout = layout(1, 2, 1, "share far light");
+            let (flat, uint) = (wgpu::TextureViewDimension::D2, wgpu::TextureSampleType::Uint);
+            let collect_layout = (0..3)
+                .fold(LayoutBuilder::compute(), |layout, _| layout.uniform())
+                .storage()
+                .storage_texture(flat, TEXELS)
+                .storage_mut()
+                .build(device, "far light");
+            let share_layout = LayoutBuilder::compute()
+                .uniform()
+                .storage()
+                .uniform()
+                .texture(flat, uint)
+                .storage_texture(flat, TEXELS)
+                .build(device, "share far light");
             let share = |entry| {
                 let groups = [grid, &share_layout];
                 Kernel::deferred(device, shaders, "light::share_far", entry, &groups)
             };
             let [rows, columns] = [share("rows")?, share("columns")?];
-            let groups = [globals, &bounce_layout, lights];
+            let groups = [globals, &collect_layout, lights];
             let collect = Kernel::deferred(device, shaders, "light::far", "main", &groups)?;
-            Ok::<_, ShaderError>(FarKernels { share_layout, collect, rows, columns })
+            Ok::<_, ShaderError>(FarKernels {
+                collect_layout,
+                share_layout,
+                collect,
+                rows,
+                columns,
+            })
         };
         let box_moved = ["empty", "main"].map(|entry| {
             let groups = [grid, &box_layout];
@@ -137,9 +159,12 @@ impl LightKernels {
         device: &Pipelines,
         shaders: &ShaderLibrary,
         [globals, lights]: [&wgpu::BindGroupLayout; 2],
-    ) -> Result<Kernel, ShaderError> {
+    ) -> Result<KernelVariants, ShaderError> {
         let groups = [globals, &self.direct_layout, lights];
-        Kernel::new(device, shaders, "light::direct", "main", &groups)
+        let (feature, module) = (TRACES_SHADOWS, "light::direct");
+        let kernels = KernelVariants::new(device, shaders, feature, module, "main", &groups)?;
+        kernels.expect(device, false);
+        Ok(kernels)
     }
 
     /// Finds the hits of the faces' rays and the adjacent faces, unless they are already known.
@@ -166,7 +191,7 @@ impl LightKernels {
         grid: &BindGroup,
         [globals, lights]: [&BindGroup; 2],
         faces: &'f Faces,
-    ) -> Option<&'f Buffer> {
+    ) -> Option<&'f Texture> {
         let (kernels, far) = (self.far.as_ref()?, faces.far.as_ref()?);
         recorder.compute("light::far", |pass| {
             let mut run = |kernel: &Kernel, groups: &[&BindGroup]| {

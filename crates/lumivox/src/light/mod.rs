@@ -3,9 +3,8 @@
 //! Everything here runs only over the faces of the voxel list. A face sends out `Le + reflectance /
 //! pi * E`; `E` is the irradiance from the analytic lights (`direct.wgsl`) and from other faces
 //! (`bounce.wgsl`). The light of emissive surfaces and of the environment arrives by gathers: cones
-//! see the environment, emitters are sampled (`shine.wgsl`). During gathers, faces show only
-//! reflected light; between calls they show all light. A caller's own [`Injection`] replaces the
-//! direct evaluation.
+//! see the environment and reflected light, emitters are sampled (`shine.wgsl`). A caller's own
+//! [`Injection`] replaces the direct evaluation.
 //!
 //! The irradiance that faces have gathered is kept. A still image starts from darkness and gathers
 //! for a number of bounces ([`Budget::Bounces`]); a frame continues from the previous frame
@@ -25,11 +24,11 @@ use bytemuck::{Pod, Zeroable};
 use crate::cones::{ConeSettings, TraceSettings};
 use crate::emitters::Emitters;
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
-    Staged,
+    BindGroup, BindGroupBuilder, Buffer, KernelVariants, LayoutBuilder, Pipelines, Recorder,
+    ShaderLibrary, Staged,
 };
-use crate::volume::Volume;
 use crate::volume::changes::{Changes, Shown};
+use crate::volume::{Surface, Volume};
 use crate::voxelize::Collected;
 use crate::voxels::VoxelList;
 use crate::{GiError, Grid};
@@ -38,7 +37,7 @@ use faces::Faces;
 use kernels::LightKernels;
 use turns::{Shines, Turn, Turns};
 
-pub(crate) use faces::{FAR_BYTES, HIT_WORDS};
+pub(crate) use faces::{FAR_TEXELS, HIT_WORDS};
 pub use injection::{FaceLight, Injection, InjectionParts, Injector};
 pub(crate) use lights::lights_layout;
 pub use lights::{
@@ -46,6 +45,9 @@ pub use lights::{
 };
 #[cfg(test)]
 pub(crate) use lights::{LightGlobals, LightRecord, ShadowLayerRecord};
+
+/// The constant that decides whether a kernel has the rays of [`Shadow::Cone`](crate::Shadow).
+pub const TRACES_SHADOWS: &str = "TRACES_SHADOWS";
 
 /// Defines the constants that Rust and the shaders of this folder share.
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
@@ -57,8 +59,10 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("SHADOW_NONE", lights::SHADOW_NONE)
         .constant_u32("SHADOW_MAP", lights::SHADOW_MAP)
         .constant_u32("SHADOW_CONE", lights::SHADOW_CONE)
+        .constant_u32(TRACES_SHADOWS, 1)
         .constant_u32("HIT_WORDS", HIT_WORDS)
         .constant_u32("FAR_CELLS", faces::FAR_CELLS)
+        .constant_u32("FAR_TEXELS", FAR_TEXELS)
         .constant_u32("RAREST_CASCADE", turns::RAREST_CASCADE)
         .constant_u32("RAY_CLASSES", turns::RAY_CLASSES)
         .constant_u32("MOVED_BOXES", turns::MOVED_BOXES)
@@ -126,15 +130,13 @@ pub(crate) struct Lighting {
     expects_emission: bool,
     /// `true` if the bound list has emitters.
     has_emission: bool,
-    /// `true` if emission can be hidden: there are emitters, and the faces have their light.
-    is_lit: bool,
 }
 
 /// How the light of lamps is computed.
 #[derive(Debug)]
 enum Direct {
     /// Each face evaluates each light (`direct.wgsl`).
-    Faces(Kernel),
+    Faces(KernelVariants),
     /// The caller's injector.
     Own(Box<dyn Injector>),
 }
@@ -144,6 +146,13 @@ impl Lighting {
     /// use.
     pub(crate) fn expect_bounces(&self, device: &Pipelines, has_emitters: bool, in_frames: bool) {
         self.kernels.expect_bounces(device, has_emitters, in_frames);
+    }
+
+    /// Queues the kernel of direct light with rays for shadows for compilation.
+    pub(crate) fn expect_shadow_rays(&self, device: &Pipelines) {
+        if let Direct::Faces(kernels) = &self.direct {
+            kernels.expect(device, true);
+        }
     }
 
     pub(crate) fn new(
@@ -179,7 +188,6 @@ impl Lighting {
             has_moving: false,
             expects_emission: false,
             has_emission: false,
-            is_lit: false,
         })
     }
 
@@ -195,7 +203,6 @@ impl Lighting {
     pub(crate) fn bind(&mut self, recorder: &mut Recorder<'_>, next: Collected<'_>) -> bool {
         self.turns.surface_moved();
         self.has_moving = next.has_moving;
-        self.is_lit = false;
         if self.expects_emission && !self.has_emission {
             self.turns.disturb();
         }
@@ -218,10 +225,10 @@ impl Lighting {
         true
     }
 
-    /// Binds the patches of the list to be committed: far light is stored behind them.
-    pub(crate) fn bind_far(&mut self, device: &wgpu::Device, list: &VoxelList, patches: &Buffer) {
+    /// Binds the surface that rays meet, with its far light, of the list to be committed.
+    pub(crate) fn bind_far(&mut self, device: &wgpu::Device, list: &VoxelList, surface: &Surface) {
         if let Some(faces) = &mut self.faces {
-            faces.bind_far(device, &self.kernels, (self.settings.buffer(), patches), list);
+            faces.bind_far(device, &self.kernels, (self.settings.buffer(), surface), list);
         }
     }
 
@@ -237,17 +244,8 @@ impl Lighting {
         self.expects_emission = has_emission;
     }
 
-    /// Makes rays see only reflected light, or all light again, in later commands.
-    pub(crate) fn hide_emission(&self, recorder: &mut Recorder<'_>, volume: &Volume, hides: bool) {
-        if self.is_lit {
-            volume.show_light(recorder, hides);
-        }
-    }
-
-    /// Call when a list is shown: passes it to the caller's injector, if there is one. Its emission
-    /// is hidden only once it has light.
+    /// Call when a list is shown: passes it to the caller's injector, if there is one.
     pub(crate) fn set_list(&mut self, device: &Pipelines, voxels: &VoxelList) {
-        self.is_lit = false;
         if let Direct::Own(injector) = &mut self.direct {
             injector.take(device, voxels);
         }
@@ -291,17 +289,7 @@ impl Lighting {
         if turn.is_direct_new {
             self.direct(recorder, (volume, changes.as_deref_mut()), lights, faces);
             self.kernels.reflect(recorder, &self.grid, faces);
-        }
-        // Gathers sample emitters explicitly.
-        let mut show = |recorder: &mut Recorder<'_>| {
-            recorder.stage("filter");
-            volume.show_light(recorder, has_emission);
-            if volume.is_marched() {
-                update_cells(recorder, volume, changes.as_deref_mut());
-            }
-        };
-        if turn.is_direct_new || has_emission {
-            show(recorder);
+            show_light(recorder, volume, changes.as_deref_mut());
         }
         let groups = [volume.globals(), &lights.group];
         if turn.writes_box && self.has_moving {
@@ -316,25 +304,18 @@ impl Lighting {
             recorder.stage("emitter rays");
             self.kernels.shine(recorder, groups, faces, turn);
         }
-        for gather in 1..=turn.gathers {
+        for _ in 0..turn.gathers {
             recorder.stage("bounce");
             self.kernels.gather(recorder, groups, faces, turn);
             self.kernels.reflect(recorder, &self.grid, faces);
-            if gather < turn.gathers || turn.shows_far || !has_emission {
-                show(recorder);
-            }
+            show_light(recorder, volume, changes.as_deref_mut());
         }
         if turn.shows_far {
             self.show_far(recorder, volume, lights, faces);
         }
-        if has_emission {
-            recorder.stage("filter");
-            volume.show_light(recorder, false);
-        }
         if !volume.is_marched() {
             update_cells(recorder, volume, changes);
         }
-        self.is_lit = has_emission;
         true
     }
 
@@ -373,7 +354,8 @@ impl Lighting {
         }
         let globals = volume.globals();
         match &self.direct {
-            Direct::Faces(kernel) => {
+            Direct::Faces(kernels) => {
+                let kernel = kernels.variant(lights.has_cone_shadows);
                 faces.run_direct(recorder, kernel, [globals, &lights.group]);
             }
             Direct::Own(injector) => {
@@ -417,6 +399,15 @@ impl Lighting {
     /// The radiance of each face (`array<vec4f>`), for tests and views.
     pub(crate) fn radiance(&self) -> Option<&Buffer> {
         self.faces.as_ref().map(Faces::radiance)
+    }
+}
+
+/// Shows changed light to rays, or to marching cones.
+fn show_light(recorder: &mut Recorder<'_>, volume: &Volume, changes: Option<&mut Changes>) {
+    recorder.stage("filter");
+    volume.show_light(recorder);
+    if volume.is_marched() {
+        update_cells(recorder, volume, changes);
     }
 }
 

@@ -1,7 +1,7 @@
 // The share of a light that reaches a point: from a shadow map, or by rays to the source.
 
 import package::cascades::finest_level;
-import package::constants::{SHADOW_MAP, SHADOW_NONE};
+import package::constants::{SHADOW_MAP, SHADOW_NONE, TRACES_SHADOWS};
 import package::grid::{grid, grid_from_world};
 import package::cones::trace_method::seen_share;
 import package::light::lights::{is_parallel, Incident, Light};
@@ -50,7 +50,8 @@ fn light_visibility_from(
             return visible;
         }
     }
-    if light.shadow != SHADOW_NONE {
+    // Kernels for lights that all have maps omit the rays.
+    if TRACES_SHADOWS != 0u && light.shadow != SHADOW_NONE {
         return shadow_cone_visibility(light, incident, position_in_world, normal, level);
     }
     return 1.0;

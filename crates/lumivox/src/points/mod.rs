@@ -11,10 +11,11 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::cones::{ConeSettings, TraceSettings};
-use crate::emitters::SamplingKernel;
+use crate::emitters::SAMPLES_EMITTERS;
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, BufferHandle, Kept, LayoutBuilder, Pipelines, Recorder,
-    ShaderError, ShaderLibrary, Slot, Slots, storage_buffer, uniform_buffer, upload,
+    BindGroup, BindGroupBuilder, Buffer, BufferHandle, Kept, KernelVariants, LayoutBuilder,
+    Pipelines, Recorder, ShaderError, ShaderLibrary, Slot, Slots, storage_buffer, uniform_buffer,
+    upload,
 };
 
 /// How irradiance at points is gathered.
@@ -194,7 +195,7 @@ const FRAMES_A_PASS: u64 = 4;
 #[derive(Debug)]
 pub(crate) struct PointGatherer {
     layout: wgpu::BindGroupLayout,
-    kernel: SamplingKernel,
+    kernel: KernelVariants,
 }
 
 impl PointGatherer {
@@ -210,7 +211,14 @@ impl PointGatherer {
             .storage_mut()
             .build(device, "points");
         let layouts = [globals, &layout, lights];
-        let kernel = SamplingKernel::new(device, shaders, "points::gather", "main", &layouts)?;
+        let kernel = KernelVariants::new(
+            device,
+            shaders,
+            SAMPLES_EMITTERS,
+            "points::gather",
+            "main",
+            &layouts,
+        )?;
         Ok(Self { layout, kernel })
     }
 

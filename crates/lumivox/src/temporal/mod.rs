@@ -24,10 +24,10 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::UVec2;
 
-use crate::emitters::SamplingKernel;
+use crate::emitters::SAMPLES_EMITTERS;
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderError,
-    ShaderLibrary, Texture, TextureView, storage_buffer, uniform_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, KernelVariants, LayoutBuilder, Pipelines,
+    Recorder, ShaderError, ShaderLibrary, Texture, TextureView, storage_buffer, uniform_buffer,
 };
 
 const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -149,7 +149,7 @@ impl Layouts {
 /// The kernels of the steps.
 #[derive(Debug)]
 pub(crate) struct Kernels {
-    pub(crate) trace_probes: SamplingKernel,
+    pub(crate) trace_probes: KernelVariants,
     drift: Kernel,
     take_probes: Kernel,
     recall: Kernel,
@@ -172,8 +172,14 @@ impl Kernels {
             Kernel::deferred(device, shaders, &module, "main", &groups)
         };
         let probes = [globals, &layouts.trace_probes, lights];
-        let trace_probes =
-            SamplingKernel::new(device, shaders, "temporal::trace_probes", "main", &probes)?;
+        let trace_probes = KernelVariants::new(
+            device,
+            shaders,
+            SAMPLES_EMITTERS,
+            "temporal::trace_probes",
+            "main",
+            &probes,
+        )?;
         let drift = [globals, &layouts.drift];
         let filter = [globals, &layouts.filter];
         Ok(Self {

@@ -18,8 +18,10 @@ use glam::UVec2;
 
 use crate::GiError;
 use crate::cones::{ConeSettings, TraceResolution, TraceSettings};
-use crate::emitters::SamplingKernel;
-use crate::gpu::{BindGroup, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
+use crate::emitters::SAMPLES_EMITTERS;
+use crate::gpu::{
+    BindGroup, Kernel, KernelVariants, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
+};
 use crate::temporal;
 
 pub(crate) use gbuffer::gbuffer_layout;
@@ -87,8 +89,8 @@ const ARGUMENTS_OFFSET: u64 = 4;
 /// Traces cones from a G-buffer.
 #[derive(Debug)]
 pub(crate) struct Tracer {
-    diffuse: SamplingKernel,
-    specular: SamplingKernel,
+    diffuse: KernelVariants,
+    specular: KernelVariants,
     diffuse_layout: wgpu::BindGroupLayout,
     specular_layout: wgpu::BindGroupLayout,
     reconstruct_layout: wgpu::BindGroupLayout,
@@ -113,7 +115,7 @@ struct HalfLayouts {
 #[derive(Debug)]
 struct HalfKernels {
     count: Kernel,
-    edges: [SamplingKernel; 2],
+    edges: [KernelVariants; 2],
 }
 
 impl Tracer {
@@ -157,7 +159,7 @@ impl Tracer {
         };
         let kernel = |module, layout| {
             let groups = [globals, layout, lights, gbuffer];
-            SamplingKernel::new(device, shaders, module, "main", &groups)
+            KernelVariants::new(device, shaders, SAMPLES_EMITTERS, module, "main", &groups)
         };
         Ok(Self {
             diffuse: kernel("trace::diffuse", &diffuse_layout)?,
@@ -216,7 +218,7 @@ impl Tracer {
         let count = [globals, &self.half.count, lights, gbuffer];
         let edges = |entry| {
             let groups = [globals, &self.half.edges, lights, gbuffer];
-            SamplingKernel::new(device, shaders, "trace::edges", entry, &groups)
+            KernelVariants::new(device, shaders, SAMPLES_EMITTERS, "trace::edges", entry, &groups)
         };
         let _ = self.half_kernels.set(HalfKernels {
             count: Kernel::deferred(device, shaders, "trace::edge_count", "main", &count)?,
@@ -260,13 +262,6 @@ impl Tracer {
             slot.set(recorder.queue(), &own);
             let group = |own| [bound.globals, own, bound.lights, bound.gbuffer];
             let UVec2 { x, y } = targets.traced_size();
-            // Diffuse cones must not see emitters, since pixels sample emitters explicitly.
-            let hide_emission = |recorder: &mut Recorder<'_>, hides| {
-                if settings.bounces > 0 {
-                    (bound.hide_emission)(recorder, hides);
-                }
-            };
-            hide_emission(recorder, true);
             let has_emitters = bound.has_emitters;
             self.diffuse.variant(has_emitters).run(recorder, &group(&slot.diffuse), [x, y, 1]);
             let temporal = targets.past.as_ref().zip(slot.temporal.as_ref());
@@ -275,7 +270,6 @@ impl Tracer {
                 let probes = kernels.trace_probes.variant(has_emitters);
                 past.probe(recorder, (kernels, probes), groups, [bound.globals, bound.lights]);
             }
-            hide_emission(recorder, false);
             self.specular.variant(has_emitters).run(recorder, &group(&slot.specular), [x, y, 1]);
             recorder.clear(&slot.counts);
             if let Some(((past, groups), kernels)) = temporal {
@@ -290,7 +284,7 @@ impl Tracer {
             if let (Some(half), Some(kernels)) = (&slot.half, self.half_kernels.get()) {
                 kernels.count.run(recorder, &group(&half.count), [1, 1, 1]);
                 let groups = group(&half.edges);
-                let trace_edges = |recorder: &mut Recorder<'_>, kernel: &SamplingKernel| {
+                let trace_edges = |recorder: &mut Recorder<'_>, kernel: &KernelVariants| {
                     let kernel = kernel.variant(has_emitters);
                     recorder.compute("trace::edges", |pass| {
                         kernel.dispatch_indirect(pass, &groups, &slot.counts, ARGUMENTS_OFFSET);
@@ -298,9 +292,7 @@ impl Tracer {
                 };
                 let [diffuse, specular] = &kernels.edges;
                 trace_edges(recorder, specular);
-                hide_emission(recorder, true);
                 trace_edges(recorder, diffuse);
-                hide_emission(recorder, false);
             }
             targets.keep(recorder, bound.content);
         });
@@ -314,8 +306,6 @@ pub(crate) struct Bound<'a> {
     pub(crate) gbuffer: &'a BindGroup,
     /// `true` if emitters are listed.
     pub(crate) has_emitters: bool,
-    /// Makes the volume show only reflected light, or all light again.
-    pub(crate) hide_emission: &'a dyn Fn(&mut Recorder<'_>, bool),
     /// Numbers that change whenever the light or surfaces for the cones do.
     pub(crate) content: [u64; 2],
 }

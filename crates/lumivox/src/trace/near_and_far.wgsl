@@ -11,12 +11,13 @@ import package::cones::hemisphere::{basis, cell_cone, cell_jitter};
 import package::cones::ray::{shown_by, trace_ray, Passed, Ray};
 import package::cones::trace_method::{cone_growth, cone_start};
 import package::constants::{FAR_CELLS, PI};
+import package::emitters::gather::has_emitters;
 import package::environment::environment_radiance;
 import package::grid::grid_from_world;
 import package::volume::beside::{is_parted, spot_at};
-import package::volume::far_light::{unpack_far_light, Known, NEAR, NO_FAR_LIGHT};
+import package::volume::far_light::{mean_of, with_far_light, FarSum, Known, NEAR};
 import package::volume::patch::NOTHING;
-import package::volume::surface::{far_cells, far_light_of};
+import package::volume::surface::{far_cells, far_texel};
 
 // The cell of FAR_CELLS that contains a direction: cell_cone of hemisphere.wgsl has 5 cells in the
 // inner ring and 11 in the outer one.
@@ -59,20 +60,12 @@ fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
 
 // The far light from a cell: the weighted mean of the faces around. Call find_known before.
 fn known_in(cell: u32) -> Known {
-    var sum = vec4f(0.0);
-    var weight = 0.0;
+    var sum = FarSum();
     for (var i = 0u; i < far_cells() / 4u; i++) {
-        if weights_around[i] > 0.0 {
-            let packed = far_light_of(faces_around[i], cell);
-            if packed != NO_FAR_LIGHT {
-                let its = unpack_far_light(packed);
-                sum += weights_around[i] * vec4f(its.radiance, its.openness);
-                weight += weights_around[i];
-            }
-        }
+        // Without a face the weight is zero, and the texel any one.
+        sum = with_far_light(sum, far_texel(faces_around[i], cell / 4u)[cell % 4u], weights_around[i]);
     }
-    let mean = select(vec4f(0.0), sum / weight, weight > 0.0);
-    return Known(mean.rgb, mean.a, weight > 0.0);
+    return mean_of(sum);
 }
 
 // The far light from a direction `local`, in the frame whose z is the surface's normal.
@@ -124,7 +117,7 @@ fn gather_surface(
         let far = vec4f(known.radiance, known.openness);
         var found = far;
         if hit.face != NOTHING && (hit.distance < near || !known.is_known) {
-            found = vec4f(shown_by(hit.face), 0.0);
+            found = vec4f(shown_by(hit.face, !has_emitters()), 0.0);
         } else if !known.is_known {
             let growth = cone_growth(local.tan_half_angle, dot(direction, geometric_normal), settings);
             found = vec4f(environment_radiance(direction, growth), 1.0);

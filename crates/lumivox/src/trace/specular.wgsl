@@ -165,8 +165,8 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
     var radiance = max(traced.radiance + traced.transmittance * outside, vec3f(0.0));
 
     samples += f32(traced.samples);
-    if has_emitters() {
-        radiance = max(radiance - traced.emission, vec3f(0.0));
+    if !has_emitters() {
+        radiance += traced.emission;
     }
     // Near surfaces replace the known light in their direction.
     let known = known_from(gloss.cells_from_normal * drawn.direction);

@@ -2,9 +2,8 @@
 // them.
 
 import package::cascades::{box_size, lowest_voxel, stored_cell};
-import package::constants::PATCH_WORDS;
 import package::volume::patch::{start_of, unpack_patch, NOTHING, Patch};
-import package::volume::surface::{index, patches};
+import package::volume::surface::{index_texel, patch_texel};
 import package::voxels::covered::{across, is_covered};
 import package::voxels::index::{first_entry, FACE_BITS};
 import package::voxels::lookup::bits_below;
@@ -14,11 +13,11 @@ import package::voxels::morton::morton_encode;
 const LEAST_DISTANCE = 0.002;
 
 fn patch_of(face: u32) -> Patch {
-    return unpack_patch(patches[PATCH_WORDS * face], patches[PATCH_WORDS * face + 4u]);
+    return unpack_patch(patch_texel(face, 0u).xy, patch_texel(face, 2u).xy);
 }
 
 fn start_of_face(face: u32) -> vec3f {
-    return start_of(patch_of(face), patches[PATCH_WORDS * face].y);
+    return start_of(patch_of(face), patch_texel(face, 0u).y);
 }
 
 // The entry of a voxel in the index; zero if the voxel is empty or outside its box.
@@ -28,11 +27,13 @@ fn entry_at(voxel: vec3i, cascade: u32) -> u32 {
         return 0u;
     }
     let code = morton_encode(stored_cell(voxel, 0u, cascade));
-    let bits = index[2u * (code / 32u)];
-    if ((bits >> (code % 32u)) & 1u) == 0u {
+    let pair = index_texel(code / 64u);
+    let own_word = select(pair.xy, pair.zw, (code & 32u) != 0u);
+    if ((own_word.x >> (code % 32u)) & 1u) == 0u {
         return 0u;
     }
-    return index[first_entry() + index[2u * (code / 32u) + 1u] + bits_below(bits, code % 32u)];
+    let rank = own_word.y + bits_below(own_word.x, code % 32u);
+    return index_texel(first_entry() + rank / 4u)[rank % 4u];
 }
 
 // The first face of a voxel, except `but`, that lies between two points in the voxel's coordinates;
@@ -48,8 +49,8 @@ fn face_between(entry: u32, but: u32, start: vec3f, end: vec3f) -> u32 {
             continue;
         }
         let crossed = mix(start, end, ours / (ours - its));
-        let place = PATCH_WORDS * other;
-        if is_covered(across(crossed, plane.lobe >> 1u), patches[place + 1u], vec4u(patches[place + 2u], patches[place + 3u])) {
+        let mask = patch_texel(other, 0u).zw;
+        if is_covered(across(crossed, plane.lobe >> 1u), mask, patch_texel(other, 1u)) {
             return other;
         }
     }

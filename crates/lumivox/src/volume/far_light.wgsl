@@ -23,6 +23,25 @@ struct Known {
     is_known: bool,
 }
 
+// A weighted sum of the far light of several faces from one direction.
+struct FarSum {
+    // Radiance in rgb, openness in a.
+    light: vec4f,
+    // The sum of the weights of faces with far light.
+    weight: f32,
+}
+
+fn with_far_light(sum: FarSum, packed: u32, weight: f32) -> FarSum {
+    let its = unpack_far_light(packed);
+    let counted = select(weight, 0.0, packed == NO_FAR_LIGHT);
+    return FarSum(sum.light + counted * vec4f(its.radiance, its.openness), sum.weight + counted);
+}
+
+fn mean_of(sum: FarSum) -> Known {
+    let mean = select(vec4f(0.0), sum.light / sum.weight, sum.weight > 0.0);
+    return Known(mean.rgb, mean.a, sum.weight > 0.0);
+}
+
 const BRIGHTEST_FAR = 65280.0;
 
 // Powers of two are made of bits, and numbers are converted by signed integers: the CPUs that run

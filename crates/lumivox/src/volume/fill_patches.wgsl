@@ -1,9 +1,11 @@
 // Creates patches of faces, and writes the light that they show.
 
 import package::cascades::voxel_of;
-import package::constants::{LINEAR_WORKGROUP_SIZE, PATCH_WORDS};
+import package::constants::{LINEAR_WORKGROUP_SIZE, PATCH_TEXELS};
 import package::gpu::dispatch::linear_index;
+import package::gpu::texels::texel_place;
 import package::grid::grid_from_world;
+import package::volume::surface::Parts;
 import package::volume::patch::{pack_emission, pack_light, pack_normal, pack_offset, unpack_normal};
 import package::voxels::counts::ListCounts;
 import package::voxels::covered::across;
@@ -13,15 +15,23 @@ import package::voxels::morton::morton_decode;
 @group(1) @binding(0) var<uniform> counts: ListCounts;
 @group(1) @binding(1) var<storage, read> faces: array<Face>;
 @group(1) @binding(2) var<storage, read> radiance: array<vec4f>;
-@group(1) @binding(3) var<storage, read_write> patches: array<vec2u>;
+@group(1) @binding(3) var<uniform> parts: Parts;
+@group(1) @binding(4) var surface: texture_storage_2d<rgba32uint, write>;
 
-fn pack_light_of(face: u32, light: vec3f) -> vec2u {
-    return pack_light(light, faces[face].lobe, faces[face].flags);
+fn store(face: u32, texel: u32, words: vec4u) {
+    textureStore(surface, texel_place(parts.first_patch + PATCH_TEXELS * face + texel), words);
+}
+
+fn store_light(face: u32) {
+    let emission = faces[face].emission;
+    let reflected = max(radiance[face].rgb - emission, vec3f(0.0));
+    let light = pack_light(reflected, faces[face].lobe, faces[face].flags);
+    store(face, 2u, vec4u(light, pack_emission(emission)));
 }
 
 // Runs after the list has changed. The next light update writes the light of new faces.
 @compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
-fn surface(
+fn create(
     @builtin(global_invocation_id) invocation: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
@@ -33,14 +43,11 @@ fn surface(
     let corner = vec3f(own.voxel);
     let place = grid_from_world(faces[face].position_in_world) * exp2(-f32(own.cascade)) - corner;
     let normal = pack_normal(faces[face].vector_area);
-    let first = PATCH_WORDS * face;
     let start = across(place, lobe_axis(faces[face].lobe));
-    patches[first] = vec2u(normal, pack_offset(dot(unpack_normal(normal), place), start));
-    patches[first + 1u] = vec2u(faces[face].mask_low, faces[face].mask_high);
-    patches[first + 2u] = faces[face].profiles.xy;
-    patches[first + 3u] = faces[face].profiles.zw;
-    patches[first + 4u] = pack_light_of(face, radiance[face].rgb);
-    patches[first + 5u] = pack_emission(faces[face].emission);
+    let offset = pack_offset(dot(unpack_normal(normal), place), start);
+    store(face, 0u, vec4u(normal, offset, faces[face].mask_low, faces[face].mask_high));
+    store(face, 1u, faces[face].profiles);
+    store_light(face);
 }
 
 // Runs after the light has changed.
@@ -51,19 +58,6 @@ fn light(
 ) {
     let face = linear_index(invocation, workgroups);
     if face < counts.faces {
-        patches[PATCH_WORDS * face + 4u] = pack_light_of(face, radiance[face].rgb);
-    }
-}
-
-// For cones that sample emitters: light without emission.
-@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
-fn reflected_light(
-    @builtin(global_invocation_id) invocation: vec3u,
-    @builtin(num_workgroups) workgroups: vec3u,
-) {
-    let face = linear_index(invocation, workgroups);
-    if face < counts.faces {
-        let reflected = max(radiance[face].rgb - faces[face].emission, vec3f(0.0));
-        patches[PATCH_WORDS * face + 4u] = pack_light_of(face, reflected);
+        store_light(face);
     }
 }

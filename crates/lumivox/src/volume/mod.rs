@@ -15,7 +15,7 @@ mod dense;
 mod octree;
 mod surface;
 
-use crate::gpu::{BindGroup, Buffer, LayoutBuilder, Pipelines, Recorder, ShaderLibrary};
+use crate::gpu::{BindGroup, Buffer, LayoutBuilder, Pipelines, Recorder, ShaderLibrary, Texture};
 use crate::settings::{Choice, Choices};
 use crate::voxels::VoxelList;
 use crate::{CascadeOptions, Cascades, GiError, Grid};
@@ -28,8 +28,7 @@ pub(crate) use dense::{Level, MaskLevels, read_levels};
 pub(crate) use octree::{Needs as TreeNeeds, OldAtlas, TreeUniform, read_nodes};
 pub use octree::{OctreeBuilder, OctreeBuilding, OctreeParts, OctreeStats, TreeToBuild};
 pub(crate) use octree::{OctreeVolume, ShownList};
-pub(crate) use surface::SURFACE_BYTES;
-use surface::Surface;
+pub(crate) use surface::Surface;
 
 /// Format of the textures that store cells.
 const CELL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -109,7 +108,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     octree::add_constants(library);
     library
         .constant_u32("CELL_PARTS", CELL_PARTS)
-        .constant_u32("PATCH_WORDS", surface::PATCH_WORDS)
+        .constant_u32("PATCH_TEXELS", surface::PATCH_TEXELS)
         .constant_u32("BLOCK_LEVEL", surface::BLOCK_LEVEL)
         .constant_u32("MASK_LEVELS", dense::MASK_LEVELS as u32);
 }
@@ -309,27 +308,20 @@ impl Volume {
         }
     }
 
-    /// Shows the radiance of the faces to rays, without emission if `hides_emission`.
-    pub(crate) fn show_light(&self, recorder: &mut Recorder<'_>, hides_emission: bool) {
+    /// Shows the radiance of the faces to rays.
+    pub(crate) fn show_light(&self, recorder: &mut Recorder<'_>) {
         if let Some(surface) = &self.surface {
-            surface.show_light(recorder, hides_emission);
+            surface.show_light(recorder);
         }
     }
 
-    /// Queues the kernel that only geometry with emitters needs for compilation.
-    pub(crate) fn expect_emitters(&self, device: &Pipelines) {
-        if let Some(surface) = &self.surface {
-            surface.expect_emitters(device);
-        }
-    }
-
-    /// The faces for rays, and their far light; `None` if cones march.
-    pub(crate) fn patches(&self) -> Option<&Buffer> {
-        self.surface.as_ref().map(Surface::patches)
+    /// All surfaces for rays; `None` if cones march.
+    pub(crate) fn surface(&self) -> Option<&Surface> {
+        self.surface.as_ref()
     }
 
     /// Shows the far light of the faces.
-    pub(crate) fn show_far(&self, recorder: &mut Recorder<'_>, far: &Buffer) {
+    pub(crate) fn show_far(&self, recorder: &mut Recorder<'_>, far: &Texture) {
         if let Some(surface) = &self.surface {
             surface.show_far(recorder, far);
         }

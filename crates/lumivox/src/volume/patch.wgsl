@@ -1,4 +1,5 @@
-// A face for rays: twelve words. The last two are its emission, which its light includes.
+// A face for rays, in PATCH_TEXELS texels: the plane and the mask of its surface; the mask's
+// profiles; and its reflected radiance with properties, and its emission.
 
 import package::constants::{HOLES, LARGEST_HALF, PARTED, SINGLE_SIDED};
 

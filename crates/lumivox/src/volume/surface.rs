@@ -1,19 +1,19 @@
-//! All surfaces for rays: an index of the voxels, and a patch for each face (`patch.wgsl`).
+//! All surfaces for rays, in one texture (`surface.wgsl`): an index of the voxels, and for each
+//! face its patch and far light.
 
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Pipelines, Recorder, ShaderLibrary,
-    storage_buffer,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Memory, Pipelines, Recorder,
+    Remedy, ShaderLibrary, TEXEL_COLUMNS, TEXELS, Texture, texel_bytes, texels, uniform_buffer,
 };
-use crate::light::FAR_BYTES;
-use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList, level_words};
+use crate::light::FAR_TEXELS;
+use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList, level_first_word, level_words};
 use crate::{GiError, Grid};
+use bytemuck::{Pod, Zeroable};
 
-/// Pairs of 32-bit words of a patch.
-pub(super) const PATCH_WORDS: u32 = 6;
-const PATCH_BYTES: u64 = 8 * PATCH_WORDS as u64;
+/// Texels of a patch.
+pub(super) const PATCH_TEXELS: u32 = 3;
 
-/// Bytes of a face in the buffer of patches: more than in any other buffer.
-pub(crate) const SURFACE_BYTES: u64 = PATCH_BYTES + FAR_BYTES;
+const FLAT: wgpu::TextureViewDimension = wgpu::TextureViewDimension::D2;
 
 /// The level of the blocks that rays skip at once (`voxels/index.wgsl`).
 pub(super) const BLOCK_LEVEL: u32 = 3;
@@ -33,11 +33,35 @@ pub(crate) struct Surface {
     fill_index: Kernel,
     fill_patches: Kernel,
     fill_light: Kernel,
-    fill_reflected: Kernel,
-    index: Buffer,
-    patches: Buffer,
+    store: Store,
     emitters: Buffer,
     bound: Option<Bound>,
+}
+
+/// `Parts` of `surface.wgsl`: the first texels of parts of the texture.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct Parts {
+    first_patch: u32,
+    first_far: u32,
+}
+
+/// The texture of `surface.wgsl`.
+#[derive(Debug)]
+struct Store {
+    texture: Texture,
+    parts: Parts,
+    parts_uniform: Buffer,
+}
+
+impl Store {
+    /// A texture for a number of voxels and faces.
+    fn new(device: &wgpu::Device, grid: &Grid, sizes: (u64, u64)) -> Self {
+        let [first_patch, first_far, texel_count] = part_ends(grid, sizes);
+        let parts = Parts { first_patch: first_patch as u32, first_far: first_far as u32 };
+        let parts_uniform = uniform_buffer(device, "parts of the surface", &parts);
+        Self { texture: texels(device, "surface", texel_count), parts, parts_uniform }
+    }
 }
 
 /// Bind groups of a list.
@@ -50,7 +74,7 @@ struct Bound {
 }
 
 impl Surface {
-    /// Creates buffers without any surface.
+    /// Creates a texture without any surface.
     pub(super) fn new(
         device: &Pipelines,
         shaders: &ShaderLibrary,
@@ -59,48 +83,60 @@ impl Surface {
     ) -> Result<Self, GiError> {
         let compute = LayoutBuilder::compute;
         let grid_layout = compute().uniform().build(device, "grid");
-        let globals_layout =
-            compute().uniform().skip(4).storage().storage().storage().build(device, "surface");
+        let globals_layout = compute()
+            .uniform()
+            .skip(4)
+            .storage()
+            .uniform()
+            .texture(FLAT, wgpu::TextureSampleType::Uint)
+            .build(device, "surface");
         let index_layout = (0..4).fold(compute(), |layout, _| layout.storage());
-        let index_layout = index_layout.storage_mut().build(device, "voxels::index");
-        let patches_layout =
-            compute().uniform().storage().storage().storage_mut().build(device, "patches");
+        let index_layout =
+            index_layout.storage_texture(FLAT, TEXELS).build(device, "voxels::index");
+        let patches_layout = compute()
+            .uniform()
+            .storage()
+            .storage()
+            .uniform()
+            .storage_texture(FLAT, TEXELS)
+            .build(device, "patches");
         let kernel = |module, entry, layout| {
             Kernel::new(device, shaders, module, entry, &[&grid_layout, layout])
         };
-        check_index(grid, &device.limits())?;
         let grid_uniform = grid.uniform(device);
-        // The index is needed even without voxels.
-        let index = storage_buffer(device, "index of voxels", index_bytes(grid, 1));
-        let patches = storage_buffer(device, "patches", SURFACE_BYTES);
+        let (memory, remedy) = (Memory::new(device), Remedy::Volume(grid.dimensions.max_element()));
+        memory.check("occupancy", level_first_word(grid, grid.levels), 4, remedy)?;
+        Self::check(&memory, grid, (1, 1), remedy)?;
+        let store = Store::new(device, grid, (1, 1));
         Ok(Self {
-            globals: bind_globals(
-                device,
-                &globals_layout,
-                [&grid_uniform, emitters, &index, &patches],
-            ),
+            globals: bind_globals(device, &globals_layout, [&grid_uniform, emitters], &store),
             grid: BindGroupBuilder::new(&grid_layout).buffer(&grid_uniform).build(device, "grid"),
             fill_index: kernel("voxels::index", "main", &index_layout)?,
-            fill_patches: kernel("volume::fill_patches", "surface", &patches_layout)?,
+            fill_patches: kernel("volume::fill_patches", "create", &patches_layout)?,
             fill_light: kernel("volume::fill_patches", "light", &patches_layout)?,
-            fill_reflected: Kernel::deferred(
-                device,
-                shaders,
-                "volume::fill_patches",
-                "reflected_light",
-                &[&grid_layout, &patches_layout],
-            )?,
             globals_layout,
             index_layout,
             patches_layout,
             grid_layout,
             grid_uniform,
             cells: *grid,
-            index,
-            patches,
+            store,
             emitters: emitters.clone(),
             bound: None,
         })
+    }
+
+    /// Checks that a device can hold a number of voxels and faces.
+    ///
+    /// # Errors
+    /// [`GiError::Limit`] if not.
+    pub(crate) fn check(
+        memory: &Memory<'_>,
+        grid: &Grid,
+        sizes: (u64, u64),
+        remedy: Remedy,
+    ) -> Result<(), GiError> {
+        memory.check_texels("the surface", part_ends(grid, sizes)[2], remedy)
     }
 
     /// Uses the moved boxes for later commands.
@@ -120,35 +156,31 @@ impl Surface {
     }
 
     fn bind_globals(&mut self, device: &wgpu::Device) {
-        let buffers = [&self.grid_uniform, &self.emitters, &self.index, &self.patches];
-        self.globals = bind_globals(device, &self.globals_layout, buffers);
-    }
-
-    /// Queues the kernel that only geometry with emitters needs for compilation.
-    pub(super) fn expect_emitters(&self, device: &Pipelines) {
-        self.fill_reflected.expect(device);
+        let buffers = [&self.grid_uniform, &self.emitters];
+        self.globals = bind_globals(device, &self.globals_layout, buffers, &self.store);
     }
 
     /// Binds another list, or the same one after its buffers were resized, and the radiance of its
     /// faces.
     pub(super) fn bind(&mut self, device: &wgpu::Device, (list, radiance): (&VoxelList, &Buffer)) {
-        let bytes = index_bytes(&self.cells, list.node_capacity());
-        self.index = storage_buffer(device, "index of voxels", bytes);
-        self.patches = storage_buffer(device, "patches", list.face_capacity() * SURFACE_BYTES);
+        let sizes = (list.node_capacity(), list.face_capacity());
+        self.store = Store::new(device, &self.cells, sizes);
+        let view = self.store.texture.view();
         let index = BindGroupBuilder::new(&self.index_layout)
             .buffer(&list.occupancy)
             .buffer(&list.ranks)
             .buffer(&list.nodes)
             .buffer(&list.first_faces)
-            .buffer(&self.index)
+            .view(&view)
             .build(device, "voxels::index");
         let patches = BindGroupBuilder::new(&self.patches_layout)
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
             .buffer(&list.faces)
             .buffer(radiance)
-            .buffer(&self.patches)
+            .buffer(&self.store.parts_uniform)
+            .view(&view)
             .build(device, "patches");
-        let threads = list.node_capacity().max(level_words(&self.cells, 0));
+        let threads = list.node_capacity().max(level_words(&self.cells, 0) * 2).div_ceil(4);
         self.bound = Some(Bound { index, threads, patches, counts: list.counts.clone() });
         self.bind_globals(device);
     }
@@ -162,16 +194,15 @@ impl Surface {
         self.fill(recorder, &self.fill_patches);
     }
 
-    /// Shows the radiance of the faces, without emission if `hides_emission`.
-    pub(super) fn show_light(&self, recorder: &mut Recorder<'_>, hides_emission: bool) {
-        let kernel = if hides_emission { &self.fill_reflected } else { &self.fill_light };
-        self.fill(recorder, kernel);
+    /// Shows the radiance of the faces.
+    pub(super) fn show_light(&self, recorder: &mut Recorder<'_>) {
+        self.fill(recorder, &self.fill_light);
     }
 
-    /// Writes the far light of the faces, after the patches.
-    pub(super) fn show_far(&self, recorder: &mut Recorder<'_>, far: &Buffer) {
-        let first = self.patches.size() / SURFACE_BYTES * PATCH_BYTES;
-        recorder.copy((far, 0), (&self.patches, first), far.size());
+    /// Writes the far light of the faces.
+    pub(super) fn show_far(&self, recorder: &mut Recorder<'_>, far: &Texture) {
+        let row = self.store.parts.first_far / TEXEL_COLUMNS;
+        recorder.copy_rows(far, (&self.store.texture, row));
     }
 
     fn fill(&self, recorder: &mut Recorder<'_>, kernel: &Kernel) {
@@ -182,8 +213,14 @@ impl Surface {
         });
     }
 
-    pub(super) fn patches(&self) -> &Buffer {
-        &self.patches
+    /// The texture, with all parts.
+    pub(crate) fn texture(&self) -> &Texture {
+        &self.store.texture
+    }
+
+    /// The uniform of the texture's parts.
+    pub(crate) fn parts(&self) -> &Buffer {
+        &self.store.parts_uniform
     }
 
     pub(super) fn globals(&self) -> &BindGroup {
@@ -195,7 +232,7 @@ impl Surface {
     }
 
     pub(super) fn memory(&self) -> Vec<(&'static str, u64)> {
-        vec![("voxels: index", self.index.size()), ("voxels: patches", self.patches.size())]
+        vec![("voxels: surface for rays", texel_bytes(&self.store.texture))]
     }
 }
 
@@ -203,43 +240,32 @@ impl Surface {
 fn bind_globals(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
-    [grid, emitters, index, patches]: [&Buffer; 4],
+    [grid, emitters]: [&Buffer; 2],
+    store: &Store,
 ) -> BindGroup {
     BindGroupBuilder::new(layout)
         .buffer(grid)
         .skip(4)
         .buffer(emitters)
-        .buffer(index)
-        .buffer(patches)
+        .buffer(&store.parts_uniform)
+        .view(&store.texture.view())
         .build(device, "surface")
 }
 
-/// Bytes of the index for a number of voxels.
-fn index_bytes(grid: &Grid, voxels: u64) -> u64 {
-    4 * (2 * level_words(grid, 0) + level_words(grid, BLOCK_LEVEL) + voxels)
+/// The ends of the texture's parts, in texels, for a number of voxels and faces: of the index
+/// (`voxels/index.wgsl`), of the patches, and of far light, which starts at a row of its own.
+fn part_ends(grid: &Grid, (voxels, faces): (u64, u64)) -> [u64; 3] {
+    let index = level_words(grid, 0).div_ceil(2) + voxels.div_ceil(4);
+    let patches = index + faces * u64::from(PATCH_TEXELS);
+    let first_far = patches.next_multiple_of(TEXEL_COLUMNS.into());
+    [index, first_far, first_far + faces * u64::from(FAR_TEXELS)]
 }
 
-/// Checks that a device can bind the index of a grid without voxels; each voxel adds a word.
-fn check_index(grid: &Grid, limits: &wgpu::Limits) -> Result<(), GiError> {
-    let available = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-    let needed = index_bytes(grid, 1);
-    if needed <= available {
-        return Ok(());
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn rust_and_wgsl_structs_have_the_same_layout() {
+        let library = &crate::shaders::library();
+        lumivox_reflect::check_struct::<super::Parts>(library, "volume::surface", "Parts");
     }
-    // Doubling the edge needs eight times as much.
-    let fitting =
-        (0..).map(|halvings| (needed >> (3 * halvings), grid.dimensions.max_element() >> halvings));
-    let fitting =
-        fitting.into_iter().find(|(bytes, _)| *bytes <= available).map_or(0, |(_, edge)| edge);
-    Err(GiError::Limit {
-        what: format!(
-            "an index of {} voxels along its longest axis",
-            grid.dimensions.max_element()
-        ),
-        needed,
-        unit: "bytes",
-        limit: "max_storage_buffer_binding_size",
-        available,
-        remedy: format!("set the resolution to at most {fitting}"),
-    })
 }

@@ -8,7 +8,6 @@ use super::share::{Share, Work};
 use super::union::{Needs, OVERFLOW_VOXELS, Union};
 use crate::cascades::Walked;
 use crate::gpu::{LastRead, LateReads, OverflowReads, Recorder, uniform_buffer};
-use crate::volume::SURFACE_BYTES;
 use crate::voxels::VoxelList;
 use crate::{Geometry, GiError, Grid};
 
@@ -236,8 +235,6 @@ impl Voxelizer {
         let (faces, nodes) = (share.take_faces(&words), u64::from(words[3]));
         let needs = Needs::of_voxels(share.capacity()[0]);
         let needs = uniform_buffer(device, "needs", &needs);
-        // The sums are the largest buffer of faces.
-        work.memory.check("the surface", faces, SURFACE_BYTES, work.remedy())?;
         share.reserve_sums(work, faces, &needs)?;
         share.sum_up(work, kept_share);
         let Rebuild { key, share, union, .. } = rebuild;

@@ -3,7 +3,7 @@
 use super::share::Work;
 use crate::GiError;
 use crate::gpu::{Buffer, Remedy, counted_buffer};
-use crate::volume::SURFACE_BYTES;
+use crate::volume::Surface;
 use crate::voxels::{FaceRecord, NodeRecord, VoxelList, count_bytes, level_first_word};
 
 /// An empty list with the given capacity.
@@ -51,7 +51,7 @@ fn list_with_room(
     let (remedy, levels) = (work.remedy(), work.grid.levels);
     let memory = &mut work.memory;
     let nodes = nodes.max(1);
-    memory.check("the surface", faces, SURFACE_BYTES, remedy)?;
+    Surface::check(memory, work.grid, (nodes, faces), remedy)?;
     Ok(VoxelList {
         level_starts: vec![0; levels as usize + 1],
         face_count: 0,

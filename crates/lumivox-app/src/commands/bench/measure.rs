@@ -252,9 +252,7 @@ fn warm_up(work: &mut dyn FnMut() -> Result<(), RenderError>) -> Result<(), Rend
 /// Figures with the triangles, memory and frame; the others are zero or `None`.
 fn figures(scene: &Scene, renderer: &Renderer, frame: Part) -> Figures {
     let memory = renderer.memory();
-    let is_volume = |name: &str| {
-        name.starts_with("volume") || ["voxels: index", "voxels: patches"].contains(&name)
-    };
+    let is_volume = |name: &str| name.starts_with("volume") || name == "voxels: surface for rays";
     let volume = memory.iter().filter(|part| is_volume(&part.name));
     Figures {
         triangles: scene.triangle_count() as u64,

@@ -103,7 +103,8 @@ pub struct Lights {
     pub(crate) version: u64,
     /// `true` if any light has cone shadows, or may have them where a caller's own maps do not
     /// reach.
-    pub(crate) has_cone_shadows: bool,
+    #[doc(hidden)]
+    pub has_cone_shadows: bool,
     /// The lights that have shadow maps.
     pub mapped: Vec<MappedLight>,
     /// Width and height of the maps, texels; zero without any.
