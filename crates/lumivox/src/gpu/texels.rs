@@ -45,7 +45,7 @@ impl Memory<'_> {
     /// # Errors
     /// [`GiError::Limit`] if it has too many rows.
     pub(crate) fn check_texels(
-        &self,
+        self,
         label: &str,
         count: u64,
         remedy: Remedy,

@@ -106,7 +106,7 @@ impl Surface {
         let grid_uniform = grid.uniform(device);
         let (memory, remedy) = (Memory::new(device), Remedy::Volume(grid.dimensions.max_element()));
         memory.check("occupancy", level_first_word(grid, grid.levels), 4, remedy)?;
-        Self::check(&memory, grid, (1, 1), remedy)?;
+        Self::check(memory, grid, (1, 1), remedy)?;
         let store = Store::new(device, grid, (1, 1));
         Ok(Self {
             globals: bind_globals(device, &globals_layout, [&grid_uniform, emitters], &store),
@@ -131,7 +131,7 @@ impl Surface {
     /// # Errors
     /// [`GiError::Limit`] if not.
     pub(crate) fn check(
-        memory: &Memory<'_>,
+        memory: Memory<'_>,
         grid: &Grid,
         sizes: (u64, u64),
         remedy: Remedy,

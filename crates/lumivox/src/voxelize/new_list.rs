@@ -51,7 +51,7 @@ fn list_with_room(
     let (remedy, levels) = (work.remedy(), work.grid.levels);
     let memory = &mut work.memory;
     let nodes = nodes.max(1);
-    Surface::check(memory, work.grid, (nodes, faces), remedy)?;
+    Surface::check(*memory, work.grid, (nodes, faces), remedy)?;
     Ok(VoxelList {
         level_starts: vec![0; levels as usize + 1],
         face_count: 0,
