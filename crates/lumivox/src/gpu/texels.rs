@@ -1,8 +1,8 @@
 //! Lists of texels of four words, in textures.
 //!
-//! Shaders read from textures what they look up most. On GPUs, a texel takes as long as four words
-//! of a buffer; on software drivers, a fifth to a twelfth of their time. No limit of bindings
-//! bounds a texture.
+//! Shaders read from textures what they look up most: software drivers read four words from a
+//! texel in a small part of the time that they take from a buffer, and no limit of bindings bounds
+//! a texture.
 
 use super::{Memory, Remedy, Texture};
 use crate::GiError;
