@@ -36,7 +36,7 @@ pub use resources::{BindGroup, Buffer, LiveResources, MadeResources, Texture, Te
 pub(crate) use resources::{BufferHandle, Kept, ViewHandle, note_wait};
 pub(crate) use scan::{BoundScan, Scan};
 pub(crate) use slots::{Slot, Slots};
-pub(crate) use texels::{TEXEL_COLUMNS, TEXELS, texel_bytes, texels};
+pub(crate) use texels::{TEXEL_COLUMNS, texel_bytes, texels};
 pub(crate) use variants::KernelVariants;
 
 /// Defines constants of number formats, and those that Rust and this folder's shaders share.

@@ -4,14 +4,13 @@
 //! texel in a small part of the time that they take from a buffer, and no limit of bindings bounds
 //! a texture.
 
-use super::{Memory, Remedy, Texture};
+use super::{LayoutBuilder, Memory, Remedy, Texture};
 use crate::GiError;
 
 /// Texels per row: a texture may have as many on any device.
 pub(crate) const TEXEL_COLUMNS: u32 = 8192;
 
-/// The format.
-pub(crate) const TEXELS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 
 /// A list of at least `count` zeros (`texels.wgsl`).
 pub(crate) fn texels(device: &wgpu::Device, label: &str, count: u64) -> Texture {
@@ -24,7 +23,7 @@ pub(crate) fn texels(device: &wgpu::Device, label: &str, count: u64) -> Texture 
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: TEXELS,
+            format: FORMAT,
             usage: wgpu::TextureUsages::TEXTURE_BINDING
                 | wgpu::TextureUsages::STORAGE_BINDING
                 | wgpu::TextureUsages::COPY_SRC
@@ -37,6 +36,20 @@ pub(crate) fn texels(device: &wgpu::Device, label: &str, count: u64) -> Texture 
 /// Bytes of a list.
 pub(crate) fn texel_bytes(texels: &Texture) -> u64 {
     16 * u64::from(texels.width()) * u64::from(texels.height())
+}
+
+impl LayoutBuilder {
+    /// A list that is read: `texture_2d<u32>`.
+    #[must_use]
+    pub(crate) fn texels(self) -> Self {
+        self.texture(wgpu::TextureViewDimension::D2, wgpu::TextureSampleType::Uint)
+    }
+
+    /// A list that is written: `texture_storage_2d<rgba32uint, write>`.
+    #[must_use]
+    pub(crate) fn storage_texels(self) -> Self {
+        self.storage_texture(wgpu::TextureViewDimension::D2, FORMAT)
+    }
 }
 
 impl Memory<'_> {

@@ -6,7 +6,7 @@ use super::turns::Turn;
 use crate::GiError;
 use crate::gpu::{
     BindGroup, Kernel, KernelVariants, LayoutBuilder, Pipelines, Recorder, ShaderError,
-    ShaderLibrary, TEXELS, Texture,
+    ShaderLibrary, Texture,
 };
 use crate::voxels::FACE_ARGUMENTS;
 
@@ -97,19 +97,18 @@ impl LightKernels {
             Ok::<_, ShaderError>([find("main")?, find("beside")?])
         };
         let far = || {
-            let (flat, uint) = (wgpu::TextureViewDimension::D2, wgpu::TextureSampleType::Uint);
             let collect_layout = (0..3)
                 .fold(LayoutBuilder::compute(), |layout, _| layout.uniform())
                 .storage()
-                .storage_texture(flat, TEXELS)
+                .storage_texels()
                 .storage_mut()
                 .build(device, "far light");
             let share_layout = LayoutBuilder::compute()
                 .uniform()
                 .storage()
                 .uniform()
-                .texture(flat, uint)
-                .storage_texture(flat, TEXELS)
+                .texels()
+                .storage_texels()
                 .build(device, "share far light");
             let share = |entry| {
                 let groups = [grid, &share_layout];

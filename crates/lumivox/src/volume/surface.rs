@@ -3,7 +3,7 @@
 
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Memory, Pipelines, Recorder,
-    Remedy, ShaderLibrary, TEXEL_COLUMNS, TEXELS, Texture, texel_bytes, texels, uniform_buffer,
+    Remedy, ShaderLibrary, TEXEL_COLUMNS, Texture, texel_bytes, texels, uniform_buffer,
 };
 use crate::light::FAR_TEXELS;
 use crate::voxels::{FACE_ARGUMENTS, LIST_COUNT_BYTES, VoxelList, level_first_word, level_words};
@@ -12,8 +12,6 @@ use bytemuck::{Pod, Zeroable};
 
 /// Texels of a patch.
 pub(super) const PATCH_TEXELS: u32 = 3;
-
-const FLAT: wgpu::TextureViewDimension = wgpu::TextureViewDimension::D2;
 
 /// The level of the blocks that rays skip at once (`voxels/index.wgsl`).
 pub(super) const BLOCK_LEVEL: u32 = 3;
@@ -83,22 +81,16 @@ impl Surface {
     ) -> Result<Self, GiError> {
         let compute = LayoutBuilder::compute;
         let grid_layout = compute().uniform().build(device, "grid");
-        let globals_layout = compute()
-            .uniform()
-            .skip(4)
-            .storage()
-            .uniform()
-            .texture(FLAT, wgpu::TextureSampleType::Uint)
-            .build(device, "surface");
+        let globals_layout =
+            compute().uniform().skip(4).storage().uniform().texels().build(device, "surface");
         let index_layout = (0..4).fold(compute(), |layout, _| layout.storage());
-        let index_layout =
-            index_layout.storage_texture(FLAT, TEXELS).build(device, "voxels::index");
+        let index_layout = index_layout.storage_texels().build(device, "voxels::index");
         let patches_layout = compute()
             .uniform()
             .storage()
             .storage()
             .uniform()
-            .storage_texture(FLAT, TEXELS)
+            .storage_texels()
             .build(device, "patches");
         let kernel = |module, entry, layout| {
             Kernel::new(device, shaders, module, entry, &[&grid_layout, layout])
