@@ -134,7 +134,8 @@ impl Renderer {
             recorder.stage("further sample");
             let textures = &targets.gbuffer_textures;
             passes.gbuffer.record(&mut recorder, scene, textures, (view, first + sample));
-            if settings.view.needs_direct() {
+            // Without lights the first sample's direct light, none, is that of all samples.
+            if settings.view.needs_direct() && lights.count > 0 {
                 let (device, lit_by) = (&self.gpu.device, (&*lights, &*near_shadows));
                 passes.direct.record(device, &mut recorder, gi, lit_by, view, &targets.direct);
             }

@@ -89,8 +89,7 @@ pub(super) fn place_at(
     });
 }
 
-/// A ceiling lamp: a flat box flush with the ceiling whose face glows a little, and the point light
-/// below it that lights the room.
+/// A ceiling lamp: a flat box flush with the ceiling, whose face glows, with a point light below.
 pub(super) struct Lamp {
     /// The middle of the box's top, on the ceiling.
     pub(super) top: Vec3,
@@ -100,7 +99,7 @@ pub(super) struct Lamp {
     pub(super) drop_m: f32,
     /// Radiance of the face in cd/m².
     pub(super) face_radiance: f32,
-    /// The light's luminous intensity in candela.
+    /// The light's luminous intensity in candela; 0 for a lamp that only its face lights.
     pub(super) intensity_cd: f32,
 }
 
@@ -122,6 +121,9 @@ impl Lamp {
         let only_bottom = Faces { x: [false; 2], y: [true, false], z: [false; 2] };
         place(scene, "lamp face", cuboid(min, max, only_bottom), face);
 
+        if self.intensity_cd == 0.0 {
+            return;
+        }
         scene.lights.push(Light {
             name: "lamp".to_owned(),
             intensity: self.intensity_cd,

@@ -12,7 +12,22 @@ use crate::{Camera, Scene};
 /// 49)).
 const BLOCK_TURN_RAD: f32 = 0.297;
 
-pub(super) fn scene() -> Scene {
+/// The source of the lamp's light.
+#[derive(Clone, Copy)]
+pub(super) enum LightSource {
+    /// A small light below the lamp's face, which itself emits a fiftieth of the flux.
+    Point,
+    /// The face, evenly.
+    Area,
+}
+
+/// The light's luminous intensity, in candela: 126 lumens downwards.
+const INTENSITY_CD: f32 = 20.0;
+
+/// Half the lamp's edges in metres: the data's lamp is 130 x 105 units.
+const HALF_LAMP_M: [f32; 2] = [0.235, 0.19];
+
+pub(super) fn scene(source: LightSource) -> Scene {
     let mut scene = Scene::default();
     let white = diffuse(&mut scene, "white", WHITE);
     let red = diffuse(&mut scene, "red", RED);
@@ -34,16 +49,14 @@ pub(super) fn scene() -> Scene {
     place_at(&mut scene, "short block", block(0.6), white, short);
     place_at(&mut scene, "tall block", block(1.2), white, tall);
 
-    // The data's lamp is 130 x 105 units. Its emission has a fiftieth of the light's flux.
-    Lamp {
-        top: 2.0 * y,
-        half_x_m: 0.235,
-        half_z_m: 0.19,
-        drop_m: 0.02,
-        face_radiance: 10.0,
-        intensity_cd: 20.0,
-    }
-    .install(&mut scene);
+    let [half_x_m, half_z_m] = HALF_LAMP_M;
+    let (face_radiance, intensity_cd) = match source {
+        LightSource::Point => (10.0, INTENSITY_CD),
+        // Half a sphere of the point's intensity, through an area that emits by the cosine.
+        LightSource::Area => (2.0 * INTENSITY_CD / (4.0 * half_x_m * half_z_m), 0.0),
+    };
+    Lamp { top: 2.0 * y, half_x_m, half_z_m, drop_m: 0.02, face_radiance, intensity_cd }
+        .install(&mut scene);
 
     // The front opening, 2.8 m away, fills the height except for two per cent on each side.
     let fov = 2.0 * (1.02_f32 / 2.8).atan();

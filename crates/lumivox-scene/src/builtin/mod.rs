@@ -18,6 +18,7 @@ mod two_rooms;
 mod window;
 
 use crate::{Material, Scene, SceneError, Shading};
+use cornell::LightSource;
 
 /// A built-in scene.
 struct Builtin {
@@ -45,9 +46,12 @@ const fn large(
     Builtin { name, about, is_large: true, make }
 }
 
-const ALL: [Builtin; 17] = [
-    small("cornell", "the Cornell box: colour bleeding, soft indirect shadows", || {
-        Ok(cornell::scene())
+const ALL: [Builtin; 18] = [
+    small("cornell", "the Cornell box with a small lamp: colour bleeding", || {
+        Ok(cornell::scene(LightSource::Point))
+    }),
+    small("cornell-area", "the same with its area light: soft shadows", || {
+        Ok(cornell::scene(LightSource::Area))
     }),
     small(
         "two-rooms",

@@ -1,15 +1,16 @@
 // Direct irradiance at a place from emitters.
 //
-// One of several candidates is kept, in proportion to its contribution without occlusion (resampled
-// importance sampling: Talbot et al. 2005, "Importance resampling for global illumination"), and a
-// ray tests its visibility. The mean over frames is exact, except for occlusion by voxel faces.
+// Some of several candidates are kept, in proportion to their contributions without occlusion
+// (resampled importance sampling: Talbot et al. 2005, "Importance resampling for global
+// illumination"), and rays test their visibility. The mean over frames is exact, except for
+// occlusion by voxel faces.
 
 import package::cascades::finest_level;
 import package::cones::cone::{Cone, ConeSettings, START, Traced};
 import package::cones::trace_method::{cone_start, trace_cone};
 import package::constants::SAMPLES_EMITTERS;
 import package::emitters::draw::{
-    draw_emitter, emitters, point_of, root_importances, Drawn, EmitterPoint,
+    draw_emitter, emitters, point_of, root_importances, EmitterPoint,
 };
 import package::emitters::emitter::{distance_to, emitter_of, NEIGHBOURS, strength};
 import package::grid::grid_from_world;
@@ -33,6 +34,14 @@ fn has_emitters() -> bool {
         return false;
     }
     return emitters.count > 0u && emitters.is_shown == 0u;
+}
+
+// The hue of a radiance as an integer: 0 for blue, HUES for red.
+const HUES = 65535.0;
+
+fn hue_of(radiance: vec3f) -> u32 {
+    let hue = (radiance.r - radiance.b) / max(strength(radiance), 1e-30);
+    return u32((0.5 + hue / 6.0) * HUES);
 }
 
 // Settings of shadow rays, which are narrow: shadows are soft because points are spread over the
@@ -109,7 +118,8 @@ fn trace_to(
 }
 
 // `level` is the level of the voxels of the place's surface, `start` in [0, 1)^2 is the place's
-// offset in the sequence, and `turn` the index in it.
+// offset in the sequence, and `turn` the index in it. `rays` is the number of candidates that are
+// kept: in soft shadows, the rays of a place end in different parts of the lamp.
 fn gather_emitters(
     position_in_world: vec3f,
     shading_normal: vec3f,
@@ -117,6 +127,7 @@ fn gather_emitters(
     level: u32,
     start: vec2f,
     turn: u32,
+    rays: u32,
     settings: ConeSettings,
 ) -> FromEmitters {
     var result = FromEmitters(vec3f(0.0), 0u);
@@ -125,45 +136,49 @@ fn gather_emitters(
     }
     let place = grid_from_world(position_in_world);
     let numbers = fract(start + fract(TURN_STEPS * f32(turn & 0xffffu)));
-    var candidates: array<Drawn, CANDIDATES>;
     var weights: array<f32, CANDIDATES>;
-    var hues: array<f32, CANDIDATES>;
+    // Numbers that sort the candidates by hue from blue to red.
+    var hues: array<u32, CANDIDATES>;
     var sum = 0.0;
     let root = root_importances(place, geometric_normal);
     for (var i = 0u; i < CANDIDATES; i++) {
         let drawn = draw_emitter(place, geometric_normal, candidate(numbers, i, CANDIDATES), root);
         let point = point_of(drawn, place);
         let cosine = folded_cosine(point.direction, shading_normal, geometric_normal);
-        let weight = strength(point.radiance) * cosine * point.solid_angle;
-        sum += weight;
-        // Sorts candidates by hue from blue to red, stably.
-        let hue = (point.radiance.r - point.radiance.b) / max(strength(point.radiance), 1e-30);
-        var slot = i;
-        for (; slot > 0u && hues[slot - 1u] > hue; slot--) {
-            candidates[slot] = candidates[slot - 1u];
-            weights[slot] = weights[slot - 1u];
-            hues[slot] = hues[slot - 1u];
-        }
-        candidates[slot] = drawn;
-        weights[slot] = weight;
-        hues[slot] = hue;
+        weights[i] = strength(point.radiance) * cosine * point.solid_angle;
+        sum += weights[i];
+        hues[i] = hue_of(point.radiance) * CANDIDATES + i;
     }
     if sum <= 0.0 {
         return result;
     }
-    // If all weights are equal, this chooses the candidate whose stratum contains the number. Other
-    // digits of `start` make the choice independent of the candidates' place within their strata.
-    let lot = fract(numbers.x + fract(start.x * 4096.0)) * sum;
-    var index = 0u;
-    var so_far = weights[0];
-    for (var i = 1u; i < CANDIDATES; i++) {
-        index += u32(so_far <= lot);
-        so_far += weights[i];
+    // The sum of the weights of all candidates before one.
+    var starts: array<f32, CANDIDATES>;
+    for (var i = 0u; i < CANDIDATES; i++) {
+        starts[i] = select(2.0 * sum, 0.0, weights[i] > 0.0);
+        for (var j = 0u; j < CANDIDATES; j++) {
+            starts[i] += select(0.0, weights[j], hues[j] < hues[i]);
+        }
     }
-    let kept = point_of(candidates[index], place);
-    let traced = trace_to(kept, position_in_world, geometric_normal, level, settings);
-    let seen = sum / f32(CANDIDATES) * traced.transmittance;
-    result.irradiance = kept.radiance * (seen / strength(kept.radiance));
-    result.samples = traced.samples;
+    // Evenly spaced numbers choose the candidates. Other digits of `start` make the choice
+    // independent of the candidates' place within their strata.
+    let first = fract(numbers.x + fract(start.x * 4096.0));
+    for (var ray = 0u; ray < rays; ray++) {
+        let lot = sum * fract(first + f32(ray) / f32(rays));
+        var index = 0u;
+        var latest = -1.0;
+        for (var i = 0u; i < CANDIDATES; i++) {
+            if starts[i] <= lot && starts[i] > latest {
+                latest = starts[i];
+                index = i;
+            }
+        }
+        let again = draw_emitter(place, geometric_normal, candidate(numbers, index, CANDIDATES), root);
+        let kept = point_of(again, place);
+        let traced = trace_to(kept, position_in_world, geometric_normal, level, settings);
+        let seen = sum / f32(CANDIDATES * rays) * traced.transmittance;
+        result.irradiance += kept.radiance * (seen / strength(kept.radiance));
+        result.samples += traced.samples;
+    }
     return result;
 }

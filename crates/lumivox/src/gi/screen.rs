@@ -106,7 +106,7 @@ impl Gi {
         if is_temporal {
             tracer.prepare_temporal(device, shaders, layouts)
         } else {
-            tracer.prepare_reconstruct(device, shaders, layouts)
+            tracer.prepare_mean(device, shaders, layouts)
         }
     }
 

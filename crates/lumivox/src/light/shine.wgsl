@@ -16,9 +16,10 @@ import package::light::turn::{
 };
 import package::voxels::morton::morton_decode;
 
-// Points on emitters per face. Faces use the same points in every gather, so their noise does not
-// average out over time; cones average it over many faces.
-const POINTS: u32 = 4u;
+// Turns of the sequence of points on emitters, and rays in each. Faces use the same points in every
+// gather, so their noise does not average out over time; cones average it over many faces.
+const TURNS: u32 = 2u;
+const TURN_RAYS: u32 = 2u;
 
 const ALL_CLASSES: u32 = (1u << RAY_CLASSES) - 1u;
 
@@ -65,11 +66,11 @@ fn shine_on(index: u32) {
     let start = random_pair(face.cell ^ 0x9e3779b9u, hash(face.lobe));
     let level = cascade_of(morton_decode(face.cell));
     var sum = vec3f(0.0);
-    for (var i = 0u; i < POINTS; i++) {
+    for (var i = 0u; i < TURNS; i++) {
         sum += gather_emitters(
-            face.position_in_world, normal, normal, level, start, i, settings.cones).irradiance;
+            face.position_in_world, normal, normal, level, start, i, TURN_RAYS, settings.cones).irradiance;
     }
-    keep_from_emitters(index, sum / f32(POINTS));
+    keep_from_emitters(index, sum / f32(TURNS));
 }
 
 // The faces whose turn it is.

@@ -75,7 +75,7 @@ fn main(
         let once = gather(
             position, normal, normal, level, settings.cone_count, start, sum.frames, settings.cones);
         let lit = gather_emitters(
-            position, normal, normal, level, start.yx, sum.frames, settings.cones);
+            position, normal, normal, level, start.yx, sum.frames, 1u, settings.cones);
         sum.frames += 1u;
         let share = 1.0 / f32(sum.frames);
         sum.indirect = mix(sum.indirect, once.irradiance + lit.irradiance, share);

@@ -7,8 +7,6 @@
 // James and Stein (1961): of a difference d with noise s it uses the share 1 - (c s / d)^2, or zero
 // below c s.
 
-import package::constants::FILTER_STEPS;
-
 // The known light of a pixel.
 struct Known {
     // Irradiance in rgb, openness in a.
@@ -17,14 +15,15 @@ struct Known {
     frames: f32,
 }
 
-const WIDEST: u32 = FILTER_STEPS - 1u;
-
 // This frame's light at the pixel.
 struct Fresh {
     // Mean irradiance of the traced pixels around in rgb, openness in a.
     irradiance: vec4f,
-    // Light after each step of the filter, from fine to wide.
-    steps: array<vec3f, FILTER_STEPS>,
+    // Light after the first, the second and the last step of the filter. Far light has no noise,
+    // and near light has little, so two steps suffice for the picture.
+    first: vec3f,
+    second: vec3f,
+    wide: vec3f,
     // Mean squared difference of a traced pixel to the known light or, if none is known, to the
     // pixels beside it, divided by their sum.
     noise: f32,
@@ -38,9 +37,10 @@ struct Fresh {
 const FRAMES_OF_CHANGE: f32 = 4.0;
 // Differences below this multiple of their noise are noise.
 const CERTAIN: f32 = 2.0;
-// Number of independent traced pixels in the light after each step of the filter, on a plain
-// surface.
-const FILTER_PIXELS: vec4f = vec4f(7.0, 34.0, 140.0, 400.0);
+// Number of independent traced pixels in the light after the first and the last step of the filter,
+// on a plain surface.
+const FIRST_PIXELS: f32 = 7.0;
+const WIDE_PIXELS: f32 = 400.0;
 // Frame count assigned to the first filtered frame.
 const FIRST_FRAMES: f32 = 2.0;
 // Above this number of frames, the pixel's own light has more weight than the filtered light.
@@ -59,24 +59,16 @@ fn shift(light: vec3f, change: vec3f, was: vec3f) -> vec3f {
     return select(light + change, light * scale, change < vec3f(0.0));
 }
 
-// Index of the filter step that this frame's light starts from: far light has no noise, and near
-// light has little.
-const FILTERED: u32 = 1u;
-
-// This frame's light without its noise: the filtered light, plus each finer step's detail times its
-// share above noise (Wiener filter), as in a penumbra.
+// This frame's light without its noise: after two steps of the filter, plus the first step's detail
+// times its share above noise (Wiener filter), as in a penumbra.
 fn filtered(fresh: Fresh, frames: f32) -> vec3f {
-    var light = fresh.steps[FILTERED];
-    for (var i = i32(FILTERED) - 1; i >= 0; i--) {
-        let detail = fresh.steps[i] - fresh.steps[i + 1];
-        let size = dot(abs(detail), vec3f(1.0 / 3.0));
-        // The sum over a few cones may be negative.
-        let both = dot(abs(fresh.steps[i]) + abs(fresh.steps[i + 1]), vec3f(1.0 / 3.0));
-        let variance = fresh.noise * both / FILTER_PIXELS[i];
-        let certain = max(1.0 - variance / max(size * size, 1e-20), 0.0);
-        light += max(certain, frames / (1.0 + frames)) * detail;
-    }
-    return light;
+    let detail = fresh.first - fresh.second;
+    let size = dot(abs(detail), vec3f(1.0 / 3.0));
+    // The sum over a few cones may be negative.
+    let both = dot(abs(fresh.first) + abs(fresh.second), vec3f(1.0 / 3.0));
+    let variance = fresh.noise * both / FIRST_PIXELS;
+    let certain = max(1.0 - variance / max(size * size, 1e-20), 0.0);
+    return fresh.second + max(certain, frames / (1.0 + frames)) * detail;
 }
 
 fn blend(known: Known, fresh: Fresh) -> Known {
@@ -88,10 +80,9 @@ fn blend(known: Known, fresh: Fresh) -> Known {
     if fresh.change.a > 1e-3 {
         let change = fresh.change.rgb / fresh.change.a;
         let size = dot(abs(change), vec3f(1.0 / 3.0));
-        let wide = fresh.steps[WIDEST];
-        let was = wide - change;
-        let both = dot(abs(wide) + abs(was), vec3f(1.0 / 3.0));
-        let variance = fresh.noise * both / (FILTER_PIXELS[WIDEST] * fresh.change.a * fresh.change.a);
+        let was = fresh.wide - change;
+        let both = dot(abs(fresh.wide) + abs(was), vec3f(1.0 / 3.0));
+        let variance = fresh.noise * both / (WIDE_PIXELS * fresh.change.a * fresh.change.a);
         let certain = max(1.0 - CERTAIN * CERTAIN * variance / max(size * size, 1e-20), 0.0);
         past = vec4f(shift(past.rgb, certain * change, was), past.a);
         let share = certain * size / max(dot(was, vec3f(1.0 / 3.0)), 1e-6);

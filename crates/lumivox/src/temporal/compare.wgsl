@@ -4,19 +4,21 @@
 import package::temporal::guide::{pack_guide, NO_SURFACE};
 import package::trace::fit::fit;
 import package::trace::gbuffer::load_surface;
+import package::trace::guide::{guide_normal, guide_position, is_surface};
 import package::trace::screen::{settings, traced_pixel, traced_size};
 import package::trace::surface::Surface;
 import package::voxelize::reproducible::is_finite;
 
-@group(1) @binding(1) var traced: texture_2d<f32>;
-@group(1) @binding(2) var recalled_irradiance: texture_2d<f32>;
-@group(1) @binding(3) var recalled_specular: texture_2d<f32>;
-@group(1) @binding(4) var guide_out: texture_storage_2d<rgba32float, write>;
+@group(1) @binding(1) var guides: texture_2d<u32>;
+@group(1) @binding(2) var traced: texture_2d<f32>;
+@group(1) @binding(3) var recalled_irradiance: texture_2d<f32>;
+@group(1) @binding(4) var recalled_specular: texture_2d<f32>;
+@group(1) @binding(5) var guide_out: texture_storage_2d<rgba32float, write>;
 // Irradiance in rgb. In a, the squared difference to the known light or, if none is known, to the
 // pixels beside it, divided by their sum, so that it does not overflow.
-@group(1) @binding(5) var light_out: texture_storage_2d<rgba16float, write>;
+@group(1) @binding(6) var light_out: texture_storage_2d<rgba16float, write>;
 // Difference to the known light in rgb; 1 in a if there is known light.
-@group(1) @binding(6) var change_out: texture_storage_2d<rgba16float, write>;
+@group(1) @binding(7) var change_out: texture_storage_2d<rgba16float, write>;
 
 // Variance of a sample as a share of its expected squared difference from the mean of four others.
 const OF_FOUR: f32 = 0.8;
@@ -34,11 +36,11 @@ fn mean_beside(place: vec2u, surface: Surface) -> vec3f {
     for (var i = 0; i < 4; i++) {
         let offset = vec2i(select(0, 2 * (i & 1) - 1, i < 2), select(0, 2 * (i & 1) - 1, i >= 2));
         let beside = vec2u(clamp(vec2i(place) + offset, vec2i(0), last));
-        let other = load_surface(traced_pixel(beside));
+        let guide = textureLoad(guides, beside, 0);
         let gathered = textureLoad(traced, beside, 0).rgb;
-        if other.depth > 0.0 && is_finite(gathered) {
-            let between = other.position_in_world - surface.position_in_world;
-            let weight = fit(between, other.shading_normal, surface);
+        if is_surface(guide) && is_finite(gathered) {
+            let between = guide_position(guide) - surface.position_in_world;
+            let weight = fit(between, guide_normal(guide), surface);
             sum += weight * gathered;
             weights += weight;
         }

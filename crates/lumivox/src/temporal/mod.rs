@@ -50,9 +50,7 @@ const PROBE_BYTES: u64 = 80;
 
 /// Defines the constants that Rust and the shaders of this folder share.
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
-    library
-        .constant_u32("FILTER_STEPS", FILTER_STEPS.len() as u32)
-        .constant_u32("PROBE_SPACING", PROBE_SPACING);
+    library.constant_u32("PROBE_SPACING", PROBE_SPACING);
 }
 
 /// Bytes of a [`Past`] for a picture with this number of pixels.
@@ -98,6 +96,7 @@ impl Layouts {
                 .texture_2d_unfilterable()
                 .texture_2d_unfilterable()
                 .texture_2d_unfilterable()
+                .texture(d2, uint)
                 .build(device, "recall"),
             trace_probes: LayoutBuilder::compute()
                 .uniform()
@@ -116,6 +115,7 @@ impl Layouts {
                 .build(device, "take probes"),
             compare: LayoutBuilder::compute()
                 .uniform()
+                .texture(d2, uint)
                 .texture_2d_unfilterable()
                 .texture_2d_unfilterable()
                 .texture_2d_unfilterable()
@@ -131,10 +131,11 @@ impl Layouts {
                 .storage_texture(d2, LIGHT)
                 .storage_texture(d2, LIGHT)
                 .build(device, "filter"),
-            resolve: (0..9)
-                .fold(LayoutBuilder::compute().uniform(), |layout, _| {
-                    layout.texture_2d_unfilterable()
-                })
+            resolve: (0..7)
+                .fold(
+                    LayoutBuilder::compute().uniform().texture(d2, uint).texture(d2, uint),
+                    |layout, _| layout.texture_2d_unfilterable(),
+                )
                 .storage_texture(d2, LIGHT)
                 .storage_texture(d2, LIGHT)
                 .storage_texture(d2, RECORD)
@@ -209,7 +210,9 @@ impl Kernels {
 pub(crate) struct Traced<'a> {
     /// Output of the cones, at the traced size.
     pub(crate) irradiance: &'a TextureView,
-    pub(crate) specular: &'a TextureView,
+    /// The surfaces of the traced pixels.
+    pub(crate) guides: &'a TextureView,
+    pub(crate) reflections: &'a TextureView,
     /// Distance of the reflected surface.
     pub(crate) distance: &'a TextureView,
     /// The outputs, at the size of the picture.
@@ -354,8 +357,9 @@ impl Past {
                 .build(device, "filter")
         });
         let outputs = traced.outputs.map(Texture::view);
+        let reflected = [traced.distance, traced.guides];
         Groups {
-            recall: self.recall_group(device, layouts, (settings, traced.distance), &self.kept),
+            recall: self.recall_group(device, layouts, settings, &self.kept, reflected),
             trace_probes: BindGroupBuilder::new(&layouts.trace_probes)
                 .buffer(settings)
                 .buffer(&self.probes)
@@ -373,6 +377,7 @@ impl Past {
                 .build(device, "take probes"),
             compare: BindGroupBuilder::new(&layouts.compare)
                 .buffer(settings)
+                .view(traced.guides)
                 .view(traced.irradiance)
                 .view(&recalled[0])
                 .view(&recalled[1])
@@ -383,11 +388,11 @@ impl Past {
             filters,
             resolve: BindGroupBuilder::new(&layouts.resolve)
                 .buffer(settings)
+                .view(traced.guides)
+                .view(traced.reflections)
                 .view(traced.irradiance)
-                .view(traced.specular)
                 .view(&light[1])
                 .view(&light[2])
-                .view(&light[3])
                 .view(&light[4])
                 .view(&change[0])
                 .view(&recalled[0])
@@ -405,8 +410,9 @@ impl Past {
         &self,
         device: &wgpu::Device,
         layouts: &Layouts,
-        (settings, distance): (&Buffer, &TextureView),
+        settings: &Buffer,
         kept: &[Texture; 3],
+        [distance, guides]: [&TextureView; 2],
     ) -> BindGroup {
         let textures = kept.iter().chain(&self.recalled).chain([&self.guide]).chain(&self.drift);
         let views: Vec<TextureView> = textures.map(Texture::view).collect();
@@ -414,18 +420,20 @@ impl Past {
         for view in &views {
             group = group.view(view);
         }
-        group.view(distance).build(device, "recall")
+        group.view(distance).view(guides).build(device, "recall")
     }
 
     /// Bind group for recalling light of another size; `None` if the known light has the same size.
+    /// `reflected` has the distances of reflected surfaces and the surfaces of the traced pixels.
     pub(crate) fn former_group(
         &self,
         device: &wgpu::Device,
         layouts: &Layouts,
-        (settings, distance): (&Buffer, &TextureView),
+        settings: &Buffer,
+        reflected: [&TextureView; 2],
     ) -> Option<BindGroup> {
         let Seen::Former(kept) = self.seen() else { return None };
-        Some(self.recall_group(device, layouts, (settings, distance), &kept))
+        Some(self.recall_group(device, layouts, settings, &kept, reflected))
     }
 
     /// Retraces the last frame's probes in the light of this frame.

@@ -125,8 +125,11 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
     let place = select(exact, nearest, is_same);
     let corner = vec2i(floor(place));
     let fraction = place - floor(place);
-    for (var i = 0; i < 4; i++) {
-        let offset = vec2i(i & 1, i >> 1);
+    // Software drivers run both sides of conditions, so loops are as short as they may be.
+    let taps = select(4, 1, is_same);
+    var tap = 0;
+    loop {
+        let offset = vec2i(tap & 1, tap >> 1);
         let share = abs(vec2f(1 - offset) - fraction);
         let bilinear = share.x * share.y;
         if bilinear > 1e-3 {
@@ -135,22 +138,32 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
                 add(&recalled, corner + offset, weight);
             }
         }
+        tap += 1;
+        continuing {
+            break if tap >= taps;
+        }
     }
     if recalled.weights < LEAST_WEIGHT {
         recalled = Recalled(vec4f(0.0), vec3f(0.0), 0.0, 0.0, is_same, false);
-        var best = SAME_SURFACE;
-        var best_texel = vec2i(0);
-        for (var i = 0; i < 9; i++) {
-            let texel = vec2i(nearest) + vec2i(i % 3 - 1, i / 3 - 1);
-            let fits = texel_fit(texel, surface, slack);
-            if fits > best {
-                best = fits;
-                best_texel = texel;
-            }
+    }
+    let neighbours = select(0, 9, recalled.weights < LEAST_WEIGHT);
+    var best = SAME_SURFACE;
+    var best_texel = vec2i(0);
+    var beside = 0;
+    loop {
+        let texel = vec2i(nearest) + vec2i(beside % 3 - 1, beside / 3 - 1);
+        let fits = texel_fit(texel, surface, slack);
+        if beside < neighbours && fits > best {
+            best = fits;
+            best_texel = texel;
         }
-        if best > SAME_SURFACE {
-            add(&recalled, best_texel, 1.0);
+        beside += 1;
+        continuing {
+            break if beside >= neighbours;
         }
+    }
+    if best > SAME_SURFACE {
+        add(&recalled, best_texel, 1.0);
     }
     if recalled.weights > 0.0 {
         let reflection = recall_reflection(pixel, surface, own_motion, slack);

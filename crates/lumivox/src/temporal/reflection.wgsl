@@ -12,6 +12,7 @@ import package::voxelize::reproducible::is_finite;
 
 // Distance of the reflected surface, in voxels.
 @group(1) @binding(9) var reflected_distance: texture_2d<f32>;
+@group(1) @binding(10) var guides: texture_2d<u32>;
 
 // Distance of the mirror image behind the surface, m: that of the reflected object in front of it
 // for a flat mirror, less for rougher surfaces (Lagarde and de Rousiers 2014, "Moving Frostbite to
@@ -49,7 +50,7 @@ fn curvature(pixel: vec2u, surface: Surface) -> f32 {
 // texels there that show the surface.
 fn recall_reflection(pixel: vec2u, surface: Surface, own_motion: vec2f, slack: f32) -> vec4f {
     let ray = normalize(surface.position_in_world - view.position_in_world);
-    let distance = image_distance(pixel, surface, traced_around(pixel, surface));
+    let distance = image_distance(pixel, surface, traced_around(pixel, surface, guides));
     let image = surface.position_in_world + distance * ray;
     let place = former_place(pixel, camera_motion(pixel, image) + own_motion);
     if !(all(place > vec2f(-1.0)) && all(place < past_size())) {
@@ -58,13 +59,20 @@ fn recall_reflection(pixel: vec2u, surface: Surface, own_motion: vec2f, slack: f
     let corner = vec2i(floor(place));
     let fraction = place - floor(place);
     var sum = vec4f(0.0);
-    for (var i = 0; i < 4; i++) {
-        let offset = vec2i(i & 1, i >> 1);
+    let material = load_specular(pixel);
+    let taps = select(1, 4, any(material.reflectance > vec3f(0.0)) || material.coat > 0.0);
+    var tap = 0;
+    loop {
+        let offset = vec2i(tap & 1, tap >> 1);
         let share = abs(vec2f(1 - offset) - fraction);
         let weight = share.x * share.y * texel_fit(corner + offset, surface, slack);
         let specular = textureLoad(past_specular, clamp(corner + offset, vec2i(0), vec2i(past_size()) - 1), 0).rgb;
         if weight > 1e-3 && is_finite(specular) {
             sum += weight * vec4f(specular, 1.0);
+        }
+        tap += 1;
+        continuing {
+            break if tap >= taps;
         }
     }
     return vec4f(sum.rgb / max(sum.a, 1e-6), sum.a);

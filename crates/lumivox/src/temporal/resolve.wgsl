@@ -1,24 +1,23 @@
 // This frame's light at every pixel: the light gathered around it, blended into the known light.
 // The result is the light of the picture, and the known light of the next frame.
 
-import package::constants::FILTER_STEPS;
 import package::temporal::blend::{blend, Fresh, Known};
 import package::temporal::record::{encode_record, Record};
 import package::trace::around::{traced_around, Around, FITS};
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::trace::screen::{settings, traced_pixel, traced_share, traced_size};
-import package::trace::reflections::filter_reflection;
+import package::trace::reflections::{blended, unpack_reflections};
 import package::trace::surface::Surface;
 import package::trace::view::view;
 import package::voxelize::reproducible::is_finite;
 
-@group(1) @binding(1) var traced_irradiance: texture_2d<f32>;
-@group(1) @binding(2) var traced_specular: texture_2d<f32>;
-// Light after each step of the filter.
-@group(1) @binding(3) var step_1: texture_2d<f32>;
-@group(1) @binding(4) var step_2: texture_2d<f32>;
-@group(1) @binding(5) var step_3: texture_2d<f32>;
-@group(1) @binding(6) var step_4: texture_2d<f32>;
+@group(1) @binding(1) var guides: texture_2d<u32>;
+@group(1) @binding(2) var reflections: texture_2d<u32>;
+@group(1) @binding(3) var traced_irradiance: texture_2d<f32>;
+// Light after the first, second and last step of the filter.
+@group(1) @binding(4) var step_1: texture_2d<f32>;
+@group(1) @binding(5) var step_2: texture_2d<f32>;
+@group(1) @binding(6) var last_step: texture_2d<f32>;
 @group(1) @binding(7) var change: texture_2d<f32>;
 @group(1) @binding(8) var recalled_irradiance: texture_2d<f32>;
 @group(1) @binding(9) var recalled_specular: texture_2d<f32>;
@@ -49,7 +48,7 @@ fn plausible(known: vec3f, centre: vec2u) -> vec3f {
     for (var i = 0; i < 9; i++) {
         let offset = vec2i(i % 3 - 1, i / 3 - 1);
         let place = clamp(vec2i(centre) + offset, vec2i(0), last);
-        let value = textureLoad(traced_specular, place, 0).rgb;
+        let value = unpack_reflections(textureLoad(reflections, place, 0)).own;
         mean += value / 9.0;
         square += value * value / 9.0;
     }
@@ -60,19 +59,15 @@ fn plausible(known: vec3f, centre: vec2u) -> vec3f {
 // This frame's reflection blended into the known one, in rgb; the cone samples in a.
 fn blend_specular(pixel: vec2u, surface: Surface, around: Around, known: vec4f, frames: f32) -> vec4f {
     var fresh = vec4f(0.0);
+    let share = max(1.0 - max(frames, 0.0) / FILTERED_REFLECTIONS, 0.0);
     for (var i = 0; i < 4; i++) {
         if around.weights[i] > 0.0 {
-            fresh += around.weights[i] * textureLoad(traced_specular, around.sources[i], 0);
+            let filtered = unpack_reflections(textureLoad(reflections, around.sources[i], 0));
+            fresh += around.weights[i] * blended(filtered, share);
         }
     }
     fresh.a *= traced_share();
-    let material = load_specular(pixel);
-    let roughness = material.roughness;
-    if frames < FILTERED_REFLECTIONS && any(material.reflectance > vec3f(0.0)) {
-        let share = 1.0 - max(frames, 0.0) / FILTERED_REFLECTIONS;
-        let filtered = filter_reflection(fresh.rgb, share, traced_specular, around.sources[0], surface, material);
-        fresh = vec4f(filtered, fresh.a);
-    }
+    let roughness = load_specular(pixel).roughness;
     if known.a == 0.0 {
         return fresh;
     }
@@ -112,10 +107,10 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         textureStore(records_out, pixel, vec4u(0u));
         return;
     }
-    let around = traced_around(pixel, surface);
+    let around = traced_around(pixel, surface, guides);
     let is_alone = around.best < FITS;
     let frames = select(1.0, 0.0, is_alone);
-    var fresh = Fresh(vec4f(0.0), array<vec3f, FILTER_STEPS>(), 0.0, frames, vec4f(0.0));
+    var fresh = Fresh(vec4f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, frames, vec4f(0.0));
     for (var i = 0; i < 4; i++) {
         let weight = around.weights[i];
         if weight > 0.0 {
@@ -125,12 +120,11 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
                 fresh.frames = 0.0;
                 continue;
             }
-            let filtered = textureLoad(step_4, source, 0);
+            let filtered = textureLoad(last_step, source, 0);
             fresh.irradiance += weight * gathered;
-            fresh.steps[0] += weight * textureLoad(step_1, source, 0).rgb;
-            fresh.steps[1] += weight * textureLoad(step_2, source, 0).rgb;
-            fresh.steps[2] += weight * textureLoad(step_3, source, 0).rgb;
-            fresh.steps[3] += weight * filtered.rgb;
+            fresh.first += weight * textureLoad(step_1, source, 0).rgb;
+            fresh.second += weight * textureLoad(step_2, source, 0).rgb;
+            fresh.wide += weight * filtered.rgb;
             fresh.noise += weight * filtered.a;
             fresh.change += weight * textureLoad(change, source, 0);
         }

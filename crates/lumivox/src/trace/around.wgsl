@@ -1,7 +1,7 @@
 // The four traced pixels around a pixel, and their weights.
 
 import package::trace::fit::fit;
-import package::trace::gbuffer::load_surface;
+import package::trace::guide::{guide_normal, guide_position, is_surface};
 import package::trace::screen::{settings, traced_pixel, traced_size};
 import package::trace::surface::Surface;
 
@@ -17,7 +17,8 @@ struct Around {
 // 25 degrees.
 const FITS: f32 = 0.66;
 
-fn traced_around(pixel: vec2u, surface: Surface) -> Around {
+// `guides` has the surfaces of the traced pixels (guide.wgsl).
+fn traced_around(pixel: vec2u, surface: Surface, guides: texture_2d<u32>) -> Around {
     var around = Around(array<vec2u, 4>(), array<f32, 4>(), 0.0);
     if settings.scale == 1u {
         around.sources[0] = pixel;
@@ -35,13 +36,13 @@ fn traced_around(pixel: vec2u, surface: Surface) -> Around {
     for (var i = 0; i < 4; i++) {
         let offset = vec2i(i & 1, i >> 1);
         let source = vec2u(clamp(corner + offset, vec2i(0), last));
-        let other = load_surface(traced_pixel(source));
-        if other.depth <= 0.0 {
+        let guide = textureLoad(guides, source, 0);
+        if !is_surface(guide) {
             continue;
         }
         let bilinear = abs(vec2f(1 - offset) - fraction);
-        let between = other.position_in_world - surface.position_in_world;
-        let fits = fit(between, other.shading_normal, surface);
+        let between = guide_position(guide) - surface.position_in_world;
+        let fits = fit(between, guide_normal(guide), surface);
         // With these floors, a pixel that no neighbour fits gets the mean of its neighbours.
         let weight = (bilinear.x * bilinear.y + 1e-3) * (fits + 1e-4);
         around.best = max(around.best, fits);

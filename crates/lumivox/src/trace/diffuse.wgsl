@@ -6,10 +6,12 @@ import package::gpu::random::{hash, random_pair};
 import package::emitters::gather::gather_emitters;
 import package::trace::gbuffer::load_surface;
 import package::trace::gather_method::gather_surface;
+import package::trace::guide::guide_of;
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
 
 @group(1) @binding(1) var irradiance_out: texture_storage_2d<rgba16float, write>;
 @group(1) @binding(2) var samples_out: texture_storage_2d<r32float, write>;
+@group(1) @binding(3) var guides_out: texture_storage_2d<rgba32uint, write>;
 
 struct TracedDiffuse {
     irradiance: vec4f,
@@ -43,6 +45,7 @@ fn gather_at(
         level,
         random_pair(pixel.x ^ 0x9e3779b9u, hash(pixel.y)),
         turn,
+        settings.emitter_rays,
         settings.cones,
     );
     return TracedDiffuse(
@@ -79,7 +82,9 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     if any(invocation.xy >= traced_size()) {
         return;
     }
-    let traced = trace_diffuse(traced_pixel(invocation.xy), traced_turn(), settings.turns);
+    let pixel = traced_pixel(invocation.xy);
+    textureStore(guides_out, invocation.xy, guide_of(load_surface(pixel)));
+    let traced = trace_diffuse(pixel, traced_turn(), settings.turns);
     textureStore(irradiance_out, invocation.xy, traced.irradiance);
     textureStore(samples_out, invocation.xy, vec4f(traced.samples, 0.0, 0.0, 0.0));
 }

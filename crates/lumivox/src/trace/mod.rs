@@ -3,7 +3,7 @@
 //! A frame traces one jittered direction in each cell of the hemisphere and one in the glossy lobe;
 //! the mean over frames converges to the cones of the settings. With the setting `temporal`, output
 //! textures contain the mean of the frames so far; otherwise a single frame, in which adjacent
-//! pixels share their light, less with each frame (`reconstruct.wgsl`).
+//! pixels share their light, less with each frame (`share_irradiance.wgsl`).
 
 mod gbuffer;
 mod targets;
@@ -32,6 +32,8 @@ pub use view::{CameraView, GiView};
 
 /// Format of the outputs.
 const OUTPUT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// Format of surfaces (`guide.wgsl`) and of reflections in two forms (`reflections.wgsl`).
+const WORDS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 /// Format of the sample counts.
 const SAMPLES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
@@ -39,6 +41,10 @@ const SAMPLES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library.constant_f32("AS_THE_CAMERA", AS_THE_CAMERA);
 }
+
+/// Rays to emitters of a traced pixel: of 16 samples of soft shadows in the first frame, four are
+/// this pixel's own.
+const EMITTER_RAYS: u32 = 4;
 
 /// `ScreenSettings` of `screen.wgsl`.
 #[repr(C)]
@@ -54,7 +60,8 @@ pub(crate) struct ScreenSettings {
     pub(crate) turns: u32,
     pub(crate) listed_turns: u32,
     pub(crate) shares: u32,
-    padding: [u32; 3],
+    pub(crate) emitter_rays: u32,
+    padding: [u32; 2],
 }
 
 impl ScreenSettings {
@@ -78,7 +85,8 @@ impl ScreenSettings {
             listed_turns: 1,
             // Marched cones are wide enough that pixels need not share light.
             shares: u32::from(!marches),
-            padding: [0; 3],
+            emitter_rays: EMITTER_RAYS,
+            padding: [0; 2],
         }
     }
 }
@@ -93,15 +101,25 @@ pub(crate) struct Tracer {
     specular: KernelVariants,
     diffuse_layout: wgpu::BindGroupLayout,
     specular_layout: wgpu::BindGroupLayout,
+    share_irradiance_layout: wgpu::BindGroupLayout,
+    share_reflections_layout: wgpu::BindGroupLayout,
     reconstruct_layout: wgpu::BindGroupLayout,
     half: HalfLayouts,
     temporal: temporal::Layouts,
+    share_reflections: Kernel,
     /// Created by the first trace without light of earlier frames.
-    reconstruct: OnceLock<Kernel>,
+    mean_kernels: OnceLock<MeanKernels>,
     /// Created by the first trace at half resolution.
     half_kernels: OnceLock<HalfKernels>,
     /// Created by the first trace with light of earlier frames.
     temporal_kernels: OnceLock<temporal::Kernels>,
+}
+
+/// Additional kernels of pictures without light of earlier frames, which callers average.
+#[derive(Debug)]
+struct MeanKernels {
+    share_irradiance: Kernel,
+    reconstruct: Kernel,
 }
 
 /// Bind group layouts of half resolution.
@@ -126,11 +144,12 @@ impl Tracer {
         lights: &wgpu::BindGroupLayout,
         gbuffer: &wgpu::BindGroupLayout,
     ) -> Result<Self, GiError> {
-        let d2 = wgpu::TextureViewDimension::D2;
+        let (d2, uint) = (wgpu::TextureViewDimension::D2, wgpu::TextureSampleType::Uint);
         let diffuse_layout = LayoutBuilder::compute()
             .uniform()
             .storage_texture(d2, OUTPUT_FORMAT)
             .storage_texture(d2, SAMPLES_FORMAT)
+            .storage_texture(d2, WORDS_FORMAT)
             .build(device, "diffuse cones");
         let specular_layout = LayoutBuilder::compute()
             .uniform()
@@ -138,10 +157,25 @@ impl Tracer {
             .storage_texture(d2, OUTPUT_FORMAT)
             .storage_texture(d2, SAMPLES_FORMAT)
             .build(device, "glossy cones");
+        let share_irradiance_layout = LayoutBuilder::compute()
+            .uniform()
+            .texture(d2, uint)
+            .texture_2d_unfilterable()
+            .storage_texture(d2, OUTPUT_FORMAT)
+            .build(device, "share irradiance");
+        let share_reflections_layout = LayoutBuilder::compute()
+            .uniform()
+            .texture(d2, uint)
+            .texture_2d_unfilterable()
+            .storage_texture(d2, WORDS_FORMAT)
+            .build(device, "share reflections");
         let reconstruct_layout = LayoutBuilder::compute()
             .uniform()
+            .texture(d2, uint)
             .texture_2d_unfilterable()
             .texture_2d_unfilterable()
+            .texture_2d_unfilterable()
+            .texture(d2, uint)
             .storage_texture(d2, OUTPUT_FORMAT)
             .storage_texture(d2, OUTPUT_FORMAT)
             .storage_mut()
@@ -161,15 +195,21 @@ impl Tracer {
             let groups = [globals, layout, lights, gbuffer];
             KernelVariants::new(device, shaders, SAMPLES_EMITTERS, module, "main", &groups)
         };
+        let share = [globals, &share_reflections_layout, lights, gbuffer];
+        let share_reflections =
+            Kernel::deferred(device, shaders, "trace::share_reflections", "main", &share)?;
         Ok(Self {
             diffuse: kernel("trace::diffuse", &diffuse_layout)?,
             specular: kernel("trace::specular", &specular_layout)?,
             diffuse_layout,
             specular_layout,
+            share_irradiance_layout,
+            share_reflections_layout,
             reconstruct_layout,
             half,
             temporal: temporal::Layouts::new(device),
-            reconstruct: OnceLock::new(),
+            share_reflections,
+            mean_kernels: OnceLock::new(),
             half_kernels: OnceLock::new(),
             temporal_kernels: OnceLock::new(),
         })
@@ -182,7 +222,10 @@ impl Tracer {
         for kernel in [&self.diffuse, &self.specular].into_iter().chain(edges) {
             kernel.expect(device, has_emitters);
         }
-        for kernel in self.reconstruct.get().into_iter().chain(half.map(|kernels| &kernels.count)) {
+        let mean = self.mean_kernels.get().into_iter();
+        let mean = mean.flat_map(|kernels| [&kernels.share_irradiance, &kernels.reconstruct]);
+        let count = half.map(|kernels| &kernels.count);
+        for kernel in mean.chain(count).chain([&self.share_reflections]) {
             kernel.expect(device);
         }
         if let Some(kernels) = self.temporal_kernels.get() {
@@ -190,17 +233,22 @@ impl Tracer {
         }
     }
 
-    /// Links the kernel for pictures without light of earlier frames, at its first use.
-    pub(crate) fn prepare_reconstruct(
+    /// Links the kernels for pictures without light of earlier frames, at their first use.
+    pub(crate) fn prepare_mean(
         &self,
         device: &Pipelines,
         shaders: &ShaderLibrary,
         [globals, lights, gbuffer]: [&wgpu::BindGroupLayout; 3],
     ) -> Result<(), GiError> {
-        if self.reconstruct.get().is_none() {
-            let groups = [globals, &self.reconstruct_layout, lights, gbuffer];
-            let kernel = Kernel::deferred(device, shaders, "trace::reconstruct", "main", &groups)?;
-            let _ = self.reconstruct.set(kernel);
+        if self.mean_kernels.get().is_none() {
+            let kernel = |module, layout| {
+                let groups = [globals, layout, lights, gbuffer];
+                Kernel::deferred(device, shaders, module, "main", &groups)
+            };
+            let _ = self.mean_kernels.set(MeanKernels {
+                share_irradiance: kernel("trace::share_irradiance", &self.share_irradiance_layout)?,
+                reconstruct: kernel("trace::reconstruct", &self.reconstruct_layout)?,
+            });
         }
         Ok(())
     }
@@ -271,15 +319,22 @@ impl Tracer {
                 past.probe(recorder, (kernels, probes), groups, [bound.globals, bound.lights]);
             }
             self.specular.variant(has_emitters).run(recorder, &group(&slot.specular), [x, y, 1]);
+            if shares != 0 || temporal.is_some() {
+                self.share_reflections.run(recorder, &group(&slot.share_reflections), [x, y, 1]);
+            }
             recorder.clear(&slot.counts);
             if let Some(((past, groups), kernels)) = temporal {
-                let settings = (slot.settings(), targets.reflected_distance());
-                let former = past.former_group(&device, &self.temporal, settings);
+                let reflected = targets.reflected();
+                let former = past.former_group(&device, &self.temporal, slot.settings(), reflected);
                 let groups_of = [bound.globals, bound.gbuffer];
                 past.blend(recorder, kernels, groups, groups_of, former.as_ref());
-            } else if let (Some(own), Some(kernel)) = (&slot.reconstruct, self.reconstruct.get()) {
+            } else if let (Some(own), Some(kernels)) = (&slot.mean, self.mean_kernels.get()) {
+                if shares != 0 {
+                    let groups = group(&own.share_irradiance);
+                    kernels.share_irradiance.run(recorder, &groups, [x, y, 1]);
+                }
                 let UVec2 { x, y } = targets.size();
-                kernel.run(recorder, &group(own), [x, y, 1]);
+                kernels.reconstruct.run(recorder, &group(&own.reconstruct), [x, y, 1]);
             }
             if let (Some(half), Some(kernels)) = (&slot.half, self.half_kernels.get()) {
                 kernels.count.run(recorder, &group(&half.count), [1, 1, 1]);

@@ -20,9 +20,10 @@ struct ScreenSettings {
     listed_turns: u32,
     // Whether the first frames of a mean share the light of pixels and faces.
     shares: u32,
+    // Rays to emitters of a traced pixel.
+    emitter_rays: u32,
     padding_0: u32,
     padding_1: u32,
-    padding_2: u32,
 }
 
 @group(1) @binding(0) var<uniform> settings: ScreenSettings;

@@ -3,7 +3,7 @@
 use bytemuck::Zeroable;
 use glam::UVec2;
 
-use super::{OUTPUT_FORMAT, SAMPLES_FORMAT, ScreenSettings, Tracer};
+use super::{OUTPUT_FORMAT, SAMPLES_FORMAT, ScreenSettings, Tracer, WORDS_FORMAT};
 use crate::cones::{TraceResolution, TraceSettings};
 use crate::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Recorder, Slot, Slots, Texture, TextureView,
@@ -36,6 +36,12 @@ struct Traced {
     irradiance: TextureView,
     specular: TextureView,
     samples: TextureView,
+    /// The surfaces of the traced pixels.
+    guides: TextureView,
+    /// Light shared with the pixels around. With light of earlier frames the irradiance is one
+    /// texel.
+    shared_irradiance: TextureView,
+    reflections: TextureView,
     /// Distance of the reflected surface, in voxels; one texel without light of earlier frames.
     distance: TextureView,
 }
@@ -54,10 +60,18 @@ pub(super) struct TraceSlot {
     settings: Buffer,
     pub(super) diffuse: BindGroup,
     pub(super) specular: BindGroup,
-    pub(super) reconstruct: Option<BindGroup>,
+    pub(super) share_reflections: BindGroup,
+    /// Without light of earlier frames.
+    pub(super) mean: Option<MeanSlot>,
     pub(super) half: Option<HalfSlot>,
     pub(super) temporal: Option<temporal::Groups>,
     pub(super) counts: Buffer,
+}
+
+#[derive(Debug)]
+pub(super) struct MeanSlot {
+    pub(super) share_irradiance: BindGroup,
+    pub(super) reconstruct: BindGroup,
 }
 
 #[derive(Debug)]
@@ -118,7 +132,11 @@ impl TraceTargets {
             texture("traced specular", traced_size, OUTPUT_FORMAT),
         ];
         let samples = texture("diffuse samples", traced_size, SAMPLES_FORMAT).view();
-        let reflected_size = if settings.temporal { traced_size } else { UVec2::ONE };
+        let guides = texture("traced surfaces", traced_size, WORDS_FORMAT).view();
+        let reflections = texture("shared reflections", traced_size, WORDS_FORMAT).view();
+        let (shared_size, reflected_size) =
+            if settings.temporal { (UVec2::ONE, traced_size) } else { (traced_size, UVec2::ONE) };
+        let shared_irradiance = texture("shared irradiance", shared_size, OUTPUT_FORMAT).view();
         let distance = texture("reflected distance", reflected_size, SAMPLES_FORMAT).view();
         let outputs =
             [texture("irradiance", size, OUTPUT_FORMAT), texture("specular", size, OUTPUT_FORMAT)];
@@ -141,7 +159,16 @@ impl TraceTargets {
             outputs,
             size,
             resolution: settings.resolution,
-            traced: Traced { size: traced_size, irradiance, specular, samples, distance },
+            traced: Traced {
+                size: traced_size,
+                irradiance,
+                specular,
+                samples,
+                guides,
+                shared_irradiance,
+                reflections,
+                distance,
+            },
             listed,
             past,
             slots: Slots::default(),
@@ -155,15 +182,15 @@ impl TraceTargets {
         let traced_size = size.map(|edge| edge.div_ceil(scale));
         let [pixels, traced] =
             [size, traced_size].map(|size| u64::from(size.x) * u64::from(size.y));
-        // `cones`: the cones' two pictures and sample counts; `outputs`: the results at the size of
-        // the picture.
-        let cones = 20 * traced;
+        // `cones`: the cones' two pictures, sample counts, surfaces and shared reflections;
+        // `outputs`: the results at the size of the picture.
+        let cones = 52 * traced;
         let outputs = 16 * pixels;
         let listed = 16 + if scale > 1 { 4 * (pixels + 1) } else { 16 };
         let past = if settings.temporal {
-            temporal::past_bytes(pixels, traced_size) + 4 * traced
+            temporal::past_bytes(pixels, traced_size) + 4 * traced + 8
         } else {
-            4
+            8 * traced + 4
         };
         cones + outputs + listed + past
     }
@@ -206,8 +233,9 @@ impl TraceTargets {
         self.traced.size
     }
 
-    pub(super) fn reflected_distance(&self) -> &TextureView {
-        &self.traced.distance
+    /// Distances of reflected surfaces, and the surfaces of the traced pixels.
+    pub(super) fn reflected(&self) -> [&TextureView; 2] {
+        [&self.traced.distance, &self.traced.guides]
     }
 
     /// Calls `record` with settings that no other recording uses.
@@ -228,19 +256,37 @@ impl TraceTargets {
     }
 
     fn slot(&self, tracer: &Tracer, device: &wgpu::Device) -> TraceSlot {
-        let Traced { irradiance, specular, samples, distance, .. } = &self.traced;
+        let Traced {
+            irradiance,
+            specular,
+            samples,
+            guides,
+            shared_irradiance,
+            reflections,
+            distance,
+            ..
+        } = &self.traced;
         let Listed { counts, pixels } = &self.listed;
         let settings = uniform_buffer(device, "screen settings", &ScreenSettings::zeroed());
-        let reconstruct = self.past.is_none().then(|| {
-            BindGroupBuilder::new(&tracer.reconstruct_layout)
+        let mean = self.past.is_none().then(|| MeanSlot {
+            share_irradiance: BindGroupBuilder::new(&tracer.share_irradiance_layout)
                 .buffer(&settings)
+                .view(guides)
+                .view(irradiance)
+                .view(shared_irradiance)
+                .build(device, "share irradiance"),
+            reconstruct: BindGroupBuilder::new(&tracer.reconstruct_layout)
+                .buffer(&settings)
+                .view(guides)
                 .view(irradiance)
                 .view(specular)
+                .view(shared_irradiance)
+                .view(reflections)
                 .view(&self.irradiance)
                 .view(&self.specular)
                 .buffer(counts)
                 .buffer(pixels)
-                .build(device, "reconstruct")
+                .build(device, "reconstruct"),
         });
         let half = (self.resolution == TraceResolution::Half).then(|| HalfSlot {
             count: BindGroupBuilder::new(&tracer.half.count)
@@ -257,7 +303,8 @@ impl TraceTargets {
         });
         let outputs = self.outputs.each_ref();
         let listed = pixels;
-        let traced = temporal::Traced { irradiance, specular, distance, outputs, counts, listed };
+        let traced =
+            temporal::Traced { irradiance, guides, reflections, distance, outputs, counts, listed };
         let temporal = self
             .past
             .as_ref()
@@ -267,6 +314,7 @@ impl TraceTargets {
                 .buffer(&settings)
                 .view(irradiance)
                 .view(samples)
+                .view(guides)
                 .build(device, "diffuse cones"),
             specular: BindGroupBuilder::new(&tracer.specular_layout)
                 .buffer(&settings)
@@ -274,7 +322,13 @@ impl TraceTargets {
                 .view(specular)
                 .view(distance)
                 .build(device, "glossy cones"),
-            reconstruct,
+            share_reflections: BindGroupBuilder::new(&tracer.share_reflections_layout)
+                .buffer(&settings)
+                .view(guides)
+                .view(specular)
+                .view(reflections)
+                .build(device, "share reflections"),
+            mean,
             half,
             temporal,
             counts: counts.clone(),
