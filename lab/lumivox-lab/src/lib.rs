@@ -8,6 +8,7 @@
 //! | `volumes` | memory and times of dense and octree volumes |
 //! | `voxelizers` | all voxelizers against the exact one |
 //! | `dynamic` | the gain of keeping the static surface while other things move |
+//! | `kernels` | docs/generated/kernels.md: registers and waves of every kernel on AMD's GPUs |
 //! | `charts`, `film`, `block_noise` | charts as SVG, animated pictures, the noise of a picture |
 //!
 //! Pictures are measured as by `lumivox compare` ([`lumivox_app::parts`]).
@@ -26,6 +27,7 @@ mod charts;
 mod cli;
 mod dynamic;
 mod film;
+mod kernels;
 mod motion;
 mod quality;
 mod rooms;

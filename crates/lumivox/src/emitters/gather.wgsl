@@ -23,6 +23,9 @@ const CANDIDATES: u32 = 8u;
 // eightfold, 6.039, advances by only 1/25.) The second increment is that of the cones.
 const TURN_STEPS: vec2f = vec2f(0.46803, 0.7548776662);
 
+// Candidates with a smaller share of the sum of the weights are not kept.
+const LEAST_SHARE: f32 = 1e-6;
+
 struct FromEmitters {
     irradiance: vec3f,
     samples: u32,
@@ -151,6 +154,11 @@ fn gather_emitters(
     }
     if sum <= 0.0 {
         return result;
+    }
+    // Candidates that bring next to nothing are never kept: rounding would give them the shares of
+    // others.
+    for (var i = 0u; i < CANDIDATES; i++) {
+        weights[i] = select(0.0, weights[i], weights[i] > LEAST_SHARE * sum);
     }
     // The sum of the weights of all candidates before one.
     var starts: array<f32, CANDIDATES>;

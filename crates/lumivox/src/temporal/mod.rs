@@ -76,15 +76,19 @@ pub(crate) struct Layouts {
     compare: wgpu::BindGroupLayout,
     filter: wgpu::BindGroupLayout,
     resolve: wgpu::BindGroupLayout,
-    /// Empty layout in place of the lights, which blending does not read.
-    nothing: wgpu::BindGroupLayout,
+    /// An empty layout in place of the lights, which only cones read, and its bind group.
+    pub(crate) nothing: wgpu::BindGroupLayout,
+    pub(crate) nothing_group: BindGroup,
 }
 
 impl Layouts {
     pub(crate) fn new(device: &Pipelines) -> Self {
         let d2 = wgpu::TextureViewDimension::D2;
         let uint = wgpu::TextureSampleType::Uint;
+        let nothing = LayoutBuilder::compute().build(device, "nothing");
         Self {
+            nothing_group: BindGroupBuilder::new(&nothing).build(device, "nothing"),
+            nothing,
             recall: LayoutBuilder::compute()
                 .uniform()
                 .texture_2d_unfilterable()
@@ -142,7 +146,6 @@ impl Layouts {
                 .storage_mut()
                 .storage_mut()
                 .build(device, "resolve"),
-            nothing: LayoutBuilder::compute().build(device, "nothing"),
         }
     }
 }
@@ -157,7 +160,6 @@ pub(crate) struct Kernels {
     compare: Kernel,
     filter: Kernel,
     resolve: Kernel,
-    nothing: BindGroup,
 }
 
 impl Kernels {
@@ -191,7 +193,6 @@ impl Kernels {
             compare: kernel("compare", &layouts.compare)?,
             filter: Kernel::deferred(device, shaders, "temporal::filter", "main", &filter)?,
             resolve: kernel("resolve", &layouts.resolve)?,
-            nothing: BindGroupBuilder::new(&layouts.nothing).build(device, "nothing"),
         })
     }
 
@@ -463,13 +464,13 @@ impl Past {
         recorder: &mut Recorder,
         kernels: &Kernels,
         groups: &Groups,
-        [globals, gbuffer]: [&BindGroup; 2],
+        [globals, nothing, gbuffer]: [&BindGroup; 3],
         former: Option<&BindGroup>,
     ) {
         let UVec2 { x, y } = self.size;
         let traced = [self.traced_size.x, self.traced_size.y, 1];
         let probes = self.probes();
-        let with = |own| [globals, own, &kernels.nothing, gbuffer];
+        let with = |own| [globals, own, nothing, gbuffer];
         let recall = former.unwrap_or(&groups.recall);
         kernels.recall.run(recorder, &with(recall), [x, y, 1]);
         kernels.compare.run(recorder, &with(&groups.compare), traced);

@@ -49,6 +49,8 @@ fn curvature(pixel: vec2u, surface: Surface) -> f32 {
 // "Stochastic screen-space reflections", on temporal reprojection) in rgb; in a the share of the
 // texels there that show the surface.
 fn recall_reflection(pixel: vec2u, surface: Surface, own_motion: vec2f, slack: f32) -> vec4f {
+    let material = load_specular(pixel);
+    let reflects = any(material.reflectance > vec3f(0.0)) || material.coat > 0.0;
     let ray = normalize(surface.position_in_world - view.position_in_world);
     let distance = image_distance(pixel, surface, traced_around(pixel, surface, guides));
     let image = surface.position_in_world + distance * ray;
@@ -59,8 +61,7 @@ fn recall_reflection(pixel: vec2u, surface: Surface, own_motion: vec2f, slack: f
     let corner = vec2i(floor(place));
     let fraction = place - floor(place);
     var sum = vec4f(0.0);
-    let material = load_specular(pixel);
-    let taps = select(1, 4, any(material.reflectance > vec3f(0.0)) || material.coat > 0.0);
+    let taps = select(1, 4, reflects);
     var tap = 0;
     loop {
         let offset = vec2i(tap & 1, tap >> 1);
@@ -75,5 +76,5 @@ fn recall_reflection(pixel: vec2u, surface: Surface, own_motion: vec2f, slack: f
             break if tap >= taps;
         }
     }
-    return vec4f(sum.rgb / max(sum.a, 1e-6), sum.a);
+    return select(vec4f(0.0, 0.0, 0.0, 1.0), vec4f(sum.rgb / max(sum.a, 1e-6), sum.a), reflects);
 }

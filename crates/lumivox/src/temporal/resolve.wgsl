@@ -38,8 +38,9 @@ const PLAUSIBLE: f32 = 1.5;
 // camera.
 const MOST_MOVED: f32 = 0.1;
 
-// Number of frames from which the pixel's own reflection is used unfiltered.
+// Number of frames from which the reflections around a pixel only take its rare bright hits.
 const FILTERED_REFLECTIONS: f32 = 32.0;
+
 // The known reflection, clamped to the range of this frame's reflections around it.
 fn plausible(known: vec3f, centre: vec2u) -> vec3f {
     var mean = vec3f(0.0);

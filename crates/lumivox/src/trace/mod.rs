@@ -42,8 +42,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
     library.constant_f32("AS_THE_CAMERA", AS_THE_CAMERA);
 }
 
-/// Rays to emitters of a traced pixel: of 16 samples of soft shadows in the first frame, four are
-/// this pixel's own.
+/// Rays to emitters of a pixel at full resolution; at half resolution, which is for motion, one.
 const EMITTER_RAYS: u32 = 4;
 
 /// `ScreenSettings` of `screen.wgsl`.
@@ -85,7 +84,10 @@ impl ScreenSettings {
             listed_turns: 1,
             // Marched cones are wide enough that pixels need not share light.
             shares: u32::from(!marches),
-            emitter_rays: EMITTER_RAYS,
+            emitter_rays: match resolution {
+                TraceResolution::Full => EMITTER_RAYS,
+                TraceResolution::Half => 1,
+            },
             padding: [0; 2],
         }
     }
@@ -195,7 +197,8 @@ impl Tracer {
             let groups = [globals, layout, lights, gbuffer];
             KernelVariants::new(device, shaders, SAMPLES_EMITTERS, module, "main", &groups)
         };
-        let share = [globals, &share_reflections_layout, lights, gbuffer];
+        let temporal = temporal::Layouts::new(device);
+        let share = [globals, &share_reflections_layout, &temporal.nothing, gbuffer];
         let share_reflections =
             Kernel::deferred(device, shaders, "trace::share_reflections", "main", &share)?;
         Ok(Self {
@@ -207,7 +210,7 @@ impl Tracer {
             share_reflections_layout,
             reconstruct_layout,
             half,
-            temporal: temporal::Layouts::new(device),
+            temporal,
             share_reflections,
             mean_kernels: OnceLock::new(),
             half_kernels: OnceLock::new(),
@@ -238,11 +241,11 @@ impl Tracer {
         &self,
         device: &Pipelines,
         shaders: &ShaderLibrary,
-        [globals, lights, gbuffer]: [&wgpu::BindGroupLayout; 3],
+        [globals, _, gbuffer]: [&wgpu::BindGroupLayout; 3],
     ) -> Result<(), GiError> {
         if self.mean_kernels.get().is_none() {
             let kernel = |module, layout| {
-                let groups = [globals, layout, lights, gbuffer];
+                let groups = [globals, layout, &self.temporal.nothing, gbuffer];
                 Kernel::deferred(device, shaders, module, "main", &groups)
             };
             let _ = self.mean_kernels.set(MeanKernels {
@@ -309,6 +312,7 @@ impl Tracer {
                 ScreenSettings { remembers, has_changed, turns, listed_turns, shares, ..*settings };
             slot.set(recorder.queue(), &own);
             let group = |own| [bound.globals, own, bound.lights, bound.gbuffer];
+            let unlit = |own| [bound.globals, own, &self.temporal.nothing_group, bound.gbuffer];
             let UVec2 { x, y } = targets.traced_size();
             let has_emitters = bound.has_emitters;
             self.diffuse.variant(has_emitters).run(recorder, &group(&slot.diffuse), [x, y, 1]);
@@ -320,21 +324,21 @@ impl Tracer {
             }
             self.specular.variant(has_emitters).run(recorder, &group(&slot.specular), [x, y, 1]);
             if shares != 0 || temporal.is_some() {
-                self.share_reflections.run(recorder, &group(&slot.share_reflections), [x, y, 1]);
+                self.share_reflections.run(recorder, &unlit(&slot.share_reflections), [x, y, 1]);
             }
             recorder.clear(&slot.counts);
             if let Some(((past, groups), kernels)) = temporal {
                 let reflected = targets.reflected();
                 let former = past.former_group(&device, &self.temporal, slot.settings(), reflected);
-                let groups_of = [bound.globals, bound.gbuffer];
+                let groups_of = [bound.globals, &self.temporal.nothing_group, bound.gbuffer];
                 past.blend(recorder, kernels, groups, groups_of, former.as_ref());
             } else if let (Some(own), Some(kernels)) = (&slot.mean, self.mean_kernels.get()) {
                 if shares != 0 {
-                    let groups = group(&own.share_irradiance);
+                    let groups = unlit(&own.share_irradiance);
                     kernels.share_irradiance.run(recorder, &groups, [x, y, 1]);
                 }
                 let UVec2 { x, y } = targets.size();
-                kernels.reconstruct.run(recorder, &group(&own.reconstruct), [x, y, 1]);
+                kernels.reconstruct.run(recorder, &unlit(&own.reconstruct), [x, y, 1]);
             }
             if let (Some(half), Some(kernels)) = (&slot.half, self.half_kernels.get()) {
                 kernels.count.run(recorder, &group(&half.count), [1, 1, 1]);

@@ -15,9 +15,9 @@ import package::voxelize::reproducible::is_finite;
 // Differences below this multiple of their noise are noise.
 const CERTAIN: f32 = 3.0;
 
-// The brightness of 5 x 5 traced pixels around a pixel, and their fit to its surface.
-var<private> brightnesses: array<f32, 25>;
-var<private> shares: array<f32, 25>;
+// The brightness of 5 x 5 traced pixels around a pixel, and their fit to its surface, as half
+// floats.
+var<private> around: array<u32, 25>;
 
 // The variance of a traced pixel's noise, estimated by a filter that removes uniform areas and
 // straight edges (Immerkaer 1996, "Fast noise variance estimation").
@@ -32,9 +32,9 @@ fn noise_variance() -> f32 {
             let x = j % 3 - 1;
             let y = j / 3 - 1;
             let part = f32((2 - 3 * abs(x)) * (2 - 3 * abs(y)));
-            let place = centre + x + 5 * y;
-            rest += part * brightnesses[place];
-            least = min(least, shares[place]);
+            let its = unpack2x16float(around[centre + x + 5 * y]);
+            rest += part * its.x;
+            least = min(least, its.y);
         }
         sum += least * rest * rest / 36.0;
         count += least;
@@ -66,8 +66,7 @@ fn gathered_beside(centre: vec2u, surface: Surface, own: vec4f) -> vec4f {
         let light = select(vec4f(0.0), gathered, is_light);
         let between = guide_position(guide) - surface.position_in_world;
         let weight = select(0.0, fit(between, guide_normal(guide), surface), is_light);
-        brightnesses[i] = brightness(light.rgb);
-        shares[i] = weight;
+        around[i] = pack2x16float(vec2f(brightness(light.rgb), weight));
         wide += weight * light;
         wide_weight += weight;
         if all(abs(offset) < vec2i(2)) {

@@ -4,7 +4,7 @@ import package::trace::fit::fit;
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::trace::guide::{guide_normal, guide_position, is_surface};
 import package::trace::reflections::{brightness, pack_reflections, Reflections};
-import package::trace::screen::{traced_pixel, traced_size};
+import package::trace::screen::{settings, traced_pixel, traced_size};
 import package::trace::surface::{Specular, Surface};
 import package::voxelize::reproducible::is_finite;
 
@@ -16,8 +16,11 @@ import package::voxelize::reproducible::is_finite;
 // around: one pixel's ray has hit by chance a light that all of them reflect.
 const TYPICAL: f32 = 2.0;
 
-// The weights of 5 x 5 traced pixels around a pixel.
-var<private> weights: array<f32, 25>;
+// The number of traced pixels around a pixel, 25, but not as a constant: if drivers unroll the
+// loops, the kernel needs three times the registers.
+fn steps_around() -> i32 {
+    return i32(min(25u, 25u * settings.scale));
+}
 
 // The traced pixel of step `i` around a pixel.
 fn place_of(centre: vec2u, i: i32) -> vec2i {
@@ -51,16 +54,16 @@ fn filtered(own: vec4f, centre: vec2u, surface: Surface, material: Specular) -> 
     var sum = vec3f(0.0);
     var roots = 0.0;
     var all = 0.0;
-    for (var i = 0; i < 25; i++) {
+    let steps = steps_around();
+    for (var i = 0; i < steps; i++) {
         let place = place_of(centre, i);
         let light = textureLoad(specular_in, place, 0).rgb;
-        weights[i] = 0.0;
         // NaN must not spread to the pixels around.
         if is_finite(light) {
-            weights[i] = weight_of(place, vec2i(i % 5, i / 5) - 2, surface, material);
-            sum += weights[i] * light;
-            roots += weights[i] * sqrt(max(brightness(light), 0.0));
-            all += weights[i];
+            let weight = weight_of(place, vec2i(i % 5, i / 5) - 2, surface, material);
+            sum += weight * light;
+            roots += weight * sqrt(max(brightness(light), 0.0));
+            all += weight;
         }
     }
     if all < 1e-3 {
@@ -69,9 +72,12 @@ fn filtered(own: vec4f, centre: vec2u, surface: Surface, material: Specular) -> 
     let root = roots / all;
     let limit = TYPICAL * root * root;
     var excess = vec3f(0.0);
-    for (var i = 0; i < 25; i++) {
-        if weights[i] > 0.0 {
-            excess += weights[i] * above(textureLoad(specular_in, place_of(centre, i), 0).rgb, limit);
+    for (var i = 0; i < steps; i++) {
+        let place = place_of(centre, i);
+        let light = textureLoad(specular_in, place, 0).rgb;
+        if is_finite(light) && brightness(light) > limit {
+            let weight = weight_of(place, vec2i(i % 5, i / 5) - 2, surface, material);
+            excess += weight * above(light, limit);
         }
     }
     return Reflections(own.rgb - above(own.rgb, limit) + excess / all, sum / all, own.a);

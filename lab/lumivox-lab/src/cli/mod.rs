@@ -1,6 +1,7 @@
 //! The command line: commands, options, and their help.
 
 mod dynamic;
+mod kernels;
 mod motion;
 mod quality;
 mod rooms;
@@ -12,6 +13,7 @@ use lumivox_app::Host;
 use lumivox_app::parts::{CODES, Program};
 
 pub use dynamic::DynamicArgs;
+pub use kernels::KernelsArgs;
 pub use motion::MotionArgs;
 pub use quality::QualityArgs;
 pub use rooms::RoomsArgs;
@@ -48,6 +50,8 @@ impl Program for Cli {
             Command::Volumes(args) => crate::volumes::run(args, host),
             Command::Voxelizers(args) => crate::voxelizers::run(args, host),
             Command::Dynamic(args) => crate::dynamic::run(args, host),
+            Command::Kernels(args) => crate::kernels::run(args, host),
+            Command::CompileKernels => crate::kernels::compile(host),
         })
     }
 }
@@ -81,6 +85,14 @@ pub enum Command {
     /// same voxels with the same light, to the bit.
     #[command(after_help = dynamic::EXAMPLES)]
     Dynamic(Box<DynamicArgs>),
+    /// Compile every kernel for AMD's GPUs, without one: registers, waves and instructions
+    ///
+    /// The compiler is that of Mesa's driver RADV, for the chips navi21 and vega10. On Linux only.
+    #[command(after_help = kernels::EXAMPLES)]
+    Kernels(Box<KernelsArgs>),
+    /// Compile the kernels on standard input for the chip of RADV_FORCE_FAMILY; `kernels` runs it
+    #[command(hide = true)]
+    CompileKernels,
 }
 
 #[cfg(test)]

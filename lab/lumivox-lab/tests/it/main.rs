@@ -9,6 +9,7 @@
 #[allow(dead_code, reason = "the tests of lumivox-app use the rest")]
 #[path = "../../../../crates/lumivox-app/tests/it/common/mod.rs"]
 mod common;
+mod kernels;
 mod motion;
 mod quality;
 mod rooms;

@@ -185,6 +185,16 @@ impl Pipelines {
         make(&self.device, pending, progress).await;
     }
 
+    /// Every requested compute pipeline: its label, its entry point, and the linked WGSL. For tools
+    /// that compile it elsewhere.
+    pub fn kernels(&self) -> Vec<(String, String, String)> {
+        let of = |plan: &ComputePlan| {
+            let entry = &plan.entry;
+            (entry.label(), entry.name().to_owned(), entry.source().to_owned())
+        };
+        lock(&self.cache.compute).keys().map(of).collect()
+    }
+
     /// Numbers of cached objects.
     pub fn counts(&self) -> PipelineCounts {
         let compute = lock(&self.cache.compute);

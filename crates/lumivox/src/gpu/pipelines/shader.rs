@@ -155,8 +155,13 @@ impl ShaderEntry {
         self.shader.module()
     }
 
+    /// The linked WGSL.
+    pub(super) fn source(&self) -> &str {
+        &self.shader.0.linked.source
+    }
+
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn source_bytes(&self) -> usize {
-        self.shader.0.linked.source.len()
+        self.source().len()
     }
 }
