@@ -1,5 +1,6 @@
 //! A GPU that is not there: RADV, Mesa's driver for AMD, compiles for any chip of a name that it
-//! gets in `RADV_FORCE_FAMILY`, and has figures of the result (`VK_KHR_pipeline_executable_properties`).
+//! gets in `RADV_FORCE_FAMILY`, and has figures of the result: registers, waves, instructions
+//! (`VK_KHR_pipeline_executable_properties`).
 
 #![allow(unsafe_code, reason = "Vulkan's own interface: wgpu does not open such a device")]
 
