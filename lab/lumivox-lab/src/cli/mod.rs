@@ -90,7 +90,7 @@ pub enum Command {
     /// The compiler is that of Mesa's driver RADV, for the chips navi21 and vega10. On Linux only.
     #[command(after_help = kernels::EXAMPLES)]
     Kernels(Box<KernelsArgs>),
-    /// Compile the kernels on standard input for the chip of RADV_FORCE_FAMILY; `kernels` runs it
+    /// Compile the kernels on standard input for the chip that the environment names
     #[command(hide = true)]
     CompileKernels,
 }
