@@ -22,10 +22,10 @@ pub struct KernelsArgs {
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,
 
-    /// Page to compare with: fails if a kernel needs a tenth more registers or instructions than
-    /// there, or spills [default: none]
+    /// Page's file to compare with, .md [default: none]
     ///
-    /// Pages of other versions of the driver are not compared.
+    /// The command fails if a kernel needs a tenth more registers or instructions than in the page,
+    /// or spills. Pages of other versions of the driver are not compared.
     #[arg(long, value_name = "FILE", help_heading = "Output", conflicts_with = "output")]
     pub against: Option<PathBuf>,
 
