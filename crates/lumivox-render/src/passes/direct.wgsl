@@ -107,7 +107,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
     let surface = load_surface(pixel);
     if surface.depth == 0.0 {
-        textureStore(direct_diffuse, pixel, vec4f(0.0));
+        textureStore(direct_diffuse, pixel, vec4f(0.0, 0.0, 0.0, 1.0));
         textureStore(direct_specular, pixel, vec4f(0.0));
         return;
     }

@@ -125,7 +125,8 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
     let place = select(exact, nearest, is_same);
     let corner = vec2i(floor(place));
     let fraction = place - floor(place);
-    // Software drivers run both sides of conditions, so loops are as short as they may be.
+    // Software drivers run both sides of conditions, but end a loop that tests at its end once no
+    // pixel needs it.
     let taps = select(4, 1, is_same);
     var tap = 0;
     loop {
@@ -145,25 +146,24 @@ fn recall(pixel: vec2u, surface: Surface) -> Recalled {
     }
     if recalled.weights < LEAST_WEIGHT {
         recalled = Recalled(vec4f(0.0), vec3f(0.0), 0.0, 0.0, is_same, false);
-    }
-    let neighbours = select(0, 9, recalled.weights < LEAST_WEIGHT);
-    var best = SAME_SURFACE;
-    var best_texel = vec2i(0);
-    var beside = 0;
-    loop {
-        let texel = vec2i(nearest) + vec2i(beside % 3 - 1, beside / 3 - 1);
-        let fits = texel_fit(texel, surface, slack);
-        if beside < neighbours && fits > best {
-            best = fits;
-            best_texel = texel;
+        var best = SAME_SURFACE;
+        var best_texel = vec2i(0);
+        var beside = 0;
+        loop {
+            let texel = vec2i(nearest) + vec2i(beside % 3 - 1, beside / 3 - 1);
+            let fits = texel_fit(texel, surface, slack);
+            if fits > best {
+                best = fits;
+                best_texel = texel;
+            }
+            beside += 1;
+            continuing {
+                break if beside >= 9;
+            }
         }
-        beside += 1;
-        continuing {
-            break if beside >= neighbours;
+        if best > SAME_SURFACE {
+            add(&recalled, best_texel, 1.0);
         }
-    }
-    if best > SAME_SURFACE {
-        add(&recalled, best_texel, 1.0);
     }
     if recalled.weights > 0.0 {
         let reflection = recall_reflection(pixel, surface, own_motion, slack);

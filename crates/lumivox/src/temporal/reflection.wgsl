@@ -12,6 +12,7 @@ import package::voxelize::reproducible::is_finite;
 
 // Distance of the reflected surface, in voxels.
 @group(1) @binding(9) var reflected_distance: texture_2d<f32>;
+// The surfaces of the traced pixels.
 @group(1) @binding(10) var guides: texture_2d<u32>;
 
 // Distance of the mirror image behind the surface, m: that of the reflected object in front of it
@@ -50,7 +51,9 @@ fn curvature(pixel: vec2u, surface: Surface) -> f32 {
 // texels there that show the surface.
 fn recall_reflection(pixel: vec2u, surface: Surface, own_motion: vec2f, slack: f32) -> vec4f {
     let material = load_specular(pixel);
-    let reflects = any(material.reflectance > vec3f(0.0)) || material.coat > 0.0;
+    if all(material.reflectance <= vec3f(0.0)) && material.coat <= 0.0 {
+        return vec4f(0.0, 0.0, 0.0, 1.0);
+    }
     let ray = normalize(surface.position_in_world - view.position_in_world);
     let distance = image_distance(pixel, surface, traced_around(pixel, surface, guides));
     let image = surface.position_in_world + distance * ray;
@@ -61,7 +64,6 @@ fn recall_reflection(pixel: vec2u, surface: Surface, own_motion: vec2f, slack: f
     let corner = vec2i(floor(place));
     let fraction = place - floor(place);
     var sum = vec4f(0.0);
-    let taps = select(1, 4, reflects);
     var tap = 0;
     loop {
         let offset = vec2i(tap & 1, tap >> 1);
@@ -73,8 +75,8 @@ fn recall_reflection(pixel: vec2u, surface: Surface, own_motion: vec2f, slack: f
         }
         tap += 1;
         continuing {
-            break if tap >= taps;
+            break if tap >= 4;
         }
     }
-    return select(vec4f(0.0, 0.0, 0.0, 1.0), vec4f(sum.rgb / max(sum.a, 1e-6), sum.a), reflects);
+    return vec4f(sum.rgb / max(sum.a, 1e-6), sum.a);
 }

@@ -11,10 +11,10 @@ use ash::vk;
 use naga::AddressSpace;
 use serde::{Deserialize, Serialize};
 
-/// Compiles a kernel without optimizing away what RADV counts.
+/// Makes the driver keep the figures of a pipeline.
 const STATISTICS: vk::PipelineCreateFlags = vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR;
 
-/// What the compiler made of a kernel.
+/// Figures of a compiled kernel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Compiled {
     /// Vector registers of an invocation.
