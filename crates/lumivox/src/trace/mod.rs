@@ -93,26 +93,30 @@ impl ScreenSettings {
     }
 }
 
-/// Offset of the workgroup counts in the counts buffer of half resolution.
-const ARGUMENTS_OFFSET: u64 = 4;
-
 /// Traces cones from a G-buffer.
 #[derive(Debug)]
 pub(crate) struct Tracer {
     diffuse: KernelVariants,
     specular: KernelVariants,
     diffuse_layout: wgpu::BindGroupLayout,
+    glossy_layout: wgpu::BindGroupLayout,
+    count_layout: wgpu::BindGroupLayout,
     specular_layout: wgpu::BindGroupLayout,
     share_irradiance_layout: wgpu::BindGroupLayout,
     share_reflections_layout: wgpu::BindGroupLayout,
     reconstruct_layout: wgpu::BindGroupLayout,
-    half: HalfLayouts,
+    edges_layout: wgpu::BindGroupLayout,
     temporal: temporal::Layouts,
+    /// Lists glossy pixels.
+    glossy: Kernel,
+    /// Computes the arguments of dispatches over listed pixels.
+    count: Kernel,
     share_reflections: Kernel,
     /// Created by the first trace without light of earlier frames.
     mean_kernels: OnceLock<MeanKernels>,
-    /// Created by the first trace at half resolution.
-    half_kernels: OnceLock<HalfKernels>,
+    /// `trace::edges`, for irradiance and reflections; created by the first trace at half
+    /// resolution.
+    edges: OnceLock<[KernelVariants; 2]>,
     /// Created by the first trace with light of earlier frames.
     temporal_kernels: OnceLock<temporal::Kernels>,
 }
@@ -122,20 +126,6 @@ pub(crate) struct Tracer {
 struct MeanKernels {
     share_irradiance: Kernel,
     reconstruct: Kernel,
-}
-
-/// Bind group layouts of half resolution.
-#[derive(Debug)]
-struct HalfLayouts {
-    count: wgpu::BindGroupLayout,
-    edges: wgpu::BindGroupLayout,
-}
-
-/// Additional kernels of half resolution.
-#[derive(Debug)]
-struct HalfKernels {
-    count: Kernel,
-    edges: [KernelVariants; 2],
 }
 
 impl Tracer {
@@ -153,11 +143,23 @@ impl Tracer {
             .storage_texture(d2, SAMPLES_FORMAT)
             .storage_texture(d2, WORDS_FORMAT)
             .build(device, "diffuse cones");
+        let glossy_layout = LayoutBuilder::compute()
+            .uniform()
+            .texture_2d_unfilterable()
+            .storage_texture(d2, OUTPUT_FORMAT)
+            .storage_texture(d2, SAMPLES_FORMAT)
+            .storage_texture(d2, WORDS_FORMAT)
+            .storage_mut()
+            .storage_mut()
+            .build(device, "glossy pixels");
+        let count_layout =
+            LayoutBuilder::compute().storage_mut().storage_mut().build(device, "listed pixels");
         let specular_layout = LayoutBuilder::compute()
             .uniform()
             .texture_2d_unfilterable()
             .storage_texture(d2, OUTPUT_FORMAT)
             .storage_texture(d2, SAMPLES_FORMAT)
+            .storage()
             .build(device, "glossy cones");
         let share_irradiance_layout = LayoutBuilder::compute()
             .uniform()
@@ -170,6 +172,7 @@ impl Tracer {
             .texture(d2, uint)
             .texture_2d_unfilterable()
             .storage_texture(d2, WORDS_FORMAT)
+            .storage()
             .build(device, "share reflections");
         let reconstruct_layout = LayoutBuilder::compute()
             .uniform()
@@ -183,52 +186,55 @@ impl Tracer {
             .storage_mut()
             .storage_mut()
             .build(device, "reconstruct");
-        let half = HalfLayouts {
-            count: LayoutBuilder::compute().storage_mut().storage_mut().build(device, "edge count"),
-            edges: LayoutBuilder::compute()
-                .uniform()
-                .storage()
-                .storage_texture(d2, OUTPUT_FORMAT)
-                .storage_texture(d2, OUTPUT_FORMAT)
-                .texture_2d_unfilterable()
-                .build(device, "edges"),
-        };
+        let edges_layout = LayoutBuilder::compute()
+            .uniform()
+            .storage()
+            .storage_texture(d2, OUTPUT_FORMAT)
+            .storage_texture(d2, OUTPUT_FORMAT)
+            .texture_2d_unfilterable()
+            .build(device, "edges");
         let kernel = |module, layout| {
             let groups = [globals, layout, lights, gbuffer];
             KernelVariants::new(device, shaders, SAMPLES_EMITTERS, module, "main", &groups)
         };
         let temporal = temporal::Layouts::new(device);
-        let share = [globals, &share_reflections_layout, &temporal.nothing, gbuffer];
-        let share_reflections =
-            Kernel::deferred(device, shaders, "trace::share_reflections", "main", &share)?;
+        let unlit = |module, layout| {
+            let groups = [globals, layout, &temporal.nothing, gbuffer];
+            Kernel::deferred(device, shaders, module, "main", &groups)
+        };
+        let glossy = unlit("trace::glossy", &glossy_layout)?;
+        let count = Kernel::deferred(device, shaders, "trace::count", "main", &[&count_layout])?;
+        let share_reflections = unlit("trace::share_reflections", &share_reflections_layout)?;
         Ok(Self {
             diffuse: kernel("trace::diffuse", &diffuse_layout)?,
             specular: kernel("trace::specular", &specular_layout)?,
+            glossy,
+            count,
             diffuse_layout,
+            glossy_layout,
+            count_layout,
             specular_layout,
             share_irradiance_layout,
             share_reflections_layout,
             reconstruct_layout,
-            half,
+            edges_layout,
             temporal,
             share_reflections,
             mean_kernels: OnceLock::new(),
-            half_kernels: OnceLock::new(),
+            edges: OnceLock::new(),
             temporal_kernels: OnceLock::new(),
         })
     }
 
     /// Queues for compilation the kernels that geometry with or without emitters needs.
     pub(crate) fn expect(&self, device: &Pipelines, has_emitters: bool) {
-        let half = self.half_kernels.get();
-        let edges = half.into_iter().flat_map(|kernels| &kernels.edges);
+        let edges = self.edges.get().into_iter().flatten();
         for kernel in [&self.diffuse, &self.specular].into_iter().chain(edges) {
             kernel.expect(device, has_emitters);
         }
         let mean = self.mean_kernels.get().into_iter();
         let mean = mean.flat_map(|kernels| [&kernels.share_irradiance, &kernels.reconstruct]);
-        let count = half.map(|kernels| &kernels.count);
-        for kernel in mean.chain(count).chain([&self.share_reflections]) {
+        for kernel in mean.chain([&self.glossy, &self.count, &self.share_reflections]) {
             kernel.expect(device);
         }
         if let Some(kernels) = self.temporal_kernels.get() {
@@ -263,18 +269,14 @@ impl Tracer {
         shaders: &ShaderLibrary,
         [globals, lights, gbuffer]: [&wgpu::BindGroupLayout; 3],
     ) -> Result<(), GiError> {
-        if self.half_kernels.get().is_some() {
+        if self.edges.get().is_some() {
             return Ok(());
         }
-        let count = [globals, &self.half.count, lights, gbuffer];
         let edges = |entry| {
-            let groups = [globals, &self.half.edges, lights, gbuffer];
+            let groups = [globals, &self.edges_layout, lights, gbuffer];
             KernelVariants::new(device, shaders, SAMPLES_EMITTERS, "trace::edges", entry, &groups)
         };
-        let _ = self.half_kernels.set(HalfKernels {
-            count: Kernel::deferred(device, shaders, "trace::edge_count", "main", &count)?,
-            edges: [edges("diffuse")?, edges("specular")?],
-        });
+        let _ = self.edges.set([edges("diffuse")?, edges("specular")?]);
         Ok(())
     }
 
@@ -322,11 +324,16 @@ impl Tracer {
                 let probes = kernels.trace_probes.variant(has_emitters);
                 past.probe(recorder, (kernels, probes), groups, [bound.globals, bound.lights]);
             }
-            self.specular.variant(has_emitters).run(recorder, &group(&slot.specular), [x, y, 1]);
+            recorder.clear(&slot.glossy_pixels.counts);
+            self.glossy.run(recorder, &unlit(&slot.glossy), [x, y, 1]);
+            self.count.run(recorder, &[&slot.glossy_pixels.count], [1, 1, 1]);
+            let specular = self.specular.variant(has_emitters);
+            slot.glossy_pixels.run(recorder, specular, &group(&slot.specular));
             if shares != 0 || temporal.is_some() {
-                self.share_reflections.run(recorder, &unlit(&slot.share_reflections), [x, y, 1]);
+                let groups = unlit(&slot.share_reflections);
+                slot.glossy_pixels.run(recorder, &self.share_reflections, &groups);
             }
-            recorder.clear(&slot.counts);
+            recorder.clear(&slot.edge_pixels.counts);
             if let Some(((past, groups), kernels)) = temporal {
                 let reflected = targets.reflected();
                 let former = past.former_group(&device, &self.temporal, slot.settings(), reflected);
@@ -340,18 +347,11 @@ impl Tracer {
                 let UVec2 { x, y } = targets.size();
                 kernels.reconstruct.run(recorder, &unlit(&own.reconstruct), [x, y, 1]);
             }
-            if let (Some(half), Some(kernels)) = (&slot.half, self.half_kernels.get()) {
-                kernels.count.run(recorder, &group(&half.count), [1, 1, 1]);
-                let groups = group(&half.edges);
-                let trace_edges = |recorder: &mut Recorder<'_>, kernel: &KernelVariants| {
-                    let kernel = kernel.variant(has_emitters);
-                    recorder.compute("trace::edges", |pass| {
-                        kernel.dispatch_indirect(pass, &groups, &slot.counts, ARGUMENTS_OFFSET);
-                    });
-                };
-                let [diffuse, specular] = &kernels.edges;
-                trace_edges(recorder, specular);
-                trace_edges(recorder, diffuse);
+            if let (Some(edges), Some(kernels)) = (&slot.edges, self.edges.get()) {
+                self.count.run(recorder, &[&slot.edge_pixels.count], [1, 1, 1]);
+                for kernel in kernels {
+                    slot.edge_pixels.run(recorder, kernel.variant(has_emitters), &group(edges));
+                }
             }
             targets.keep(recorder, bound.content);
         });

@@ -58,19 +58,25 @@ fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
     }
 }
 
-// The far light from a cell: the weighted mean of the faces around. Call find_known before.
-fn known_in(cell: u32) -> Known {
+// The far light from a cell, whose words of the faces around are `words`: their weighted mean. Call
+// find_known before.
+fn known_in(words: vec4u) -> Known {
     var sum = FarSum();
-    for (var i = 0u; i < far_cells() / 4u; i++) {
-        // Without a face the weight is zero, and the texel any one.
-        sum = with_far_light(sum, far_texel(faces_around[i], cell / 4u)[cell % 4u], weights_around[i]);
+    for (var i = 0u; i < 4u; i++) {
+        sum = with_far_light(sum, words[i], weights_around[i]);
     }
     return mean_of(sum);
 }
 
 // The far light from a direction `local`, in the frame whose z is the surface's normal.
 fn known_from(local: vec3f) -> Known {
-    return known_in(cell_of(local));
+    let cell = cell_of(local);
+    var words = vec4u();
+    for (var i = 0u; i < far_cells() / 4u; i++) {
+        // Without a face the weight is zero, and the texel any one.
+        words[i] = far_texel(faces_around[i], cell / 4u)[cell % 4u];
+    }
+    return known_in(words);
 }
 
 // Parameters and result are those of `gather` in package::cones::gather.
@@ -88,12 +94,17 @@ fn gather_surface(
     let world_from_cells = basis(geometric_normal);
     let cells_from_world = transpose(world_from_cells);
     var sum = vec4f(0.0);
-    let cells = far_cells();
-    for (var cell = 0u; cell < cells; cell++) {
-        let local = cell_cone(cell, FAR_CELLS, vec2f(0.5)).direction;
-        let cosine = max(dot(world_from_cells * local, shading_normal), 0.0);
-        let known = known_in(cell);
-        sum += vec4f(known.radiance, known.openness) * (cosine / local.z / f32(FAR_CELLS));
+    for (var four = 0u; four < far_cells() / 4u; four++) {
+        let a = far_texel(faces_around[0], four);
+        let b = far_texel(faces_around[1], four);
+        let c = far_texel(faces_around[2], four);
+        let d = far_texel(faces_around[3], four);
+        for (var i = 0u; i < 4u; i++) {
+            let local = cell_cone(4u * four + i, FAR_CELLS, vec2f(0.5)).direction;
+            let cosine = max(dot(world_from_cells * local, shading_normal), 0.0);
+            let known = known_in(vec4u(a[i], b[i], c[i], d[i]));
+            sum += vec4f(known.radiance, known.openness) * (cosine / local.z / f32(FAR_CELLS));
+        }
     }
     let origin = cone_start(position_in_world, geometric_normal, level, settings);
     let world_from_normal = basis(shading_normal);

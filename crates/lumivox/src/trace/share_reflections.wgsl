@@ -1,5 +1,8 @@
-// Removes noise from the reflections of traced pixels: each shares light with those around.
+// Removes noise from the reflections of listed pixels (`glossy.wgsl`): each shares light with those
+// around.
 
+import package::constants::LINEAR_WORKGROUP_SIZE;
+import package::gpu::dispatch::linear_index;
 import package::trace::fit::fit;
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::trace::guide::{guide_normal, guide_position, is_surface};
@@ -11,6 +14,8 @@ import package::voxelize::reproducible::is_finite;
 @group(1) @binding(1) var guides: texture_2d<u32>;
 @group(1) @binding(2) var specular_in: texture_2d<f32>;
 @group(1) @binding(3) var reflections_out: texture_storage_2d<rgba32uint, write>;
+// The number of listed pixels, followed by their indices.
+@group(1) @binding(4) var<storage, read> listed: array<u32>;
 
 // Multiple of the typical reflection around above which the excess is spread over all pixels
 // around: one pixel's ray has hit by chance a light that all of them reflect.
@@ -83,19 +88,19 @@ fn filtered(own: vec4f, centre: vec2u, surface: Surface, material: Specular) -> 
     return Reflections(own.rgb - above(own.rgb, limit) + excess / all, sum / all, own.a);
 }
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) invocation: vec3u) {
-    let place = invocation.xy;
-    if any(place >= traced_size()) {
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let index = linear_index(invocation, workgroups);
+    if index >= listed[0] {
         return;
     }
+    let number = listed[1u + index];
+    let place = vec2u(number % traced_size().x, number / traced_size().x);
     let pixel = traced_pixel(place);
-    let surface = load_surface(pixel);
-    let material = load_specular(pixel);
     let own = textureLoad(specular_in, place, 0);
-    var reflections = Reflections(own.rgb, own.rgb, own.a);
-    if surface.depth > 0.0 && (any(material.reflectance > vec3f(0.0)) || material.coat > 0.0) {
-        reflections = filtered(own, place, surface, material);
-    }
+    let reflections = filtered(own, place, load_surface(pixel), load_specular(pixel));
     textureStore(reflections_out, place, pack_reflections(reflections));
 }

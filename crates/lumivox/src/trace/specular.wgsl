@@ -1,4 +1,4 @@
-// A glossy cone from each pixel: reflected radiance in rgb, the pixel's samples (diffuse ones
+// A glossy cone from each listed pixel (`glossy.wgsl`): reflected radiance in rgb, the pixel's samples (diffuse ones
 // included) in a.
 //
 // Every turn draws half vectors from the distribution of visible normals, chooses one of them by
@@ -13,7 +13,8 @@
 // Under a clear coat there are two lobes. A turn draws one of them, with a probability proportional
 // to its reflectance, and divides by that probability.
 
-import package::constants::LARGEST_HALF;
+import package::constants::{LARGEST_HALF, LINEAR_WORKGROUP_SIZE};
+import package::gpu::dispatch::linear_index;
 import package::gpu::random::{hash, random_pair, sequence_pair};
 import package::environment::environment_reflection;
 import package::trace::brdf::{alpha_from_roughness, fresnel_schlick};
@@ -27,7 +28,7 @@ import package::emitters::gather::{has_emitters, TURN_STEPS};
 import package::trace::known_gloss::{resample, share_of_known};
 import package::trace::lobe::Lobe;
 import package::trace::lobe_emitters::{expected_irradiance, reflect_emitters};
-import package::trace::surface::{Specular, Surface};
+import package::trace::surface::{is_glossy, Specular, Surface};
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
 import package::trace::view::view;
 import package::trace::gather_method::{find_known, known_from};
@@ -37,6 +38,8 @@ import package::volume::far_light::NEAR;
 @group(1) @binding(2) var specular_out: texture_storage_2d<rgba16float, write>;
 // Distance of the reflected surface, in voxels; a texture of 1x1 if not needed.
 @group(1) @binding(3) var distance_out: texture_storage_2d<r32float, write>;
+// The number of listed pixels, followed by their indices.
+@group(1) @binding(4) var<storage, read> listed: array<u32>;
 
 // Cosine of 60 degrees, half of a hemisphere: wider cones would reach below their surface.
 const MIN_COS_HALF_ANGLE: f32 = 0.5;
@@ -73,7 +76,7 @@ fn trace_specular(pixel: vec2u, turn: u32, turns: u32, samples: f32) -> Reflecti
     let material = load_specular(pixel);
     let coat = coat_of(material);
     let is_off = settings.bounces == 0u || settings.specular_share <= 0.0;
-    if surface.depth <= 0.0 || is_off || (all(material.reflectance <= vec3f(0.0)) && coat.strength <= 0.0) {
+    if surface.depth <= 0.0 || is_off || !is_glossy(material) {
         return mean;
     }
     let world_from_normal = basis(surface.shading_normal);
@@ -176,13 +179,19 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
     return Reflection(vec4f(reflected + radiance * drawn.weight, samples), traced.distance);
 }
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) invocation: vec3u) {
-    if any(invocation.xy >= traced_size()) {
+@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+fn main(
+    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(num_workgroups) workgroups: vec3u,
+) {
+    let index = linear_index(invocation, workgroups);
+    if index >= listed[0] {
         return;
     }
-    let samples = textureLoad(diffuse_samples, invocation.xy, 0).r;
-    let traced = trace_specular(traced_pixel(invocation.xy), traced_turn(), settings.turns, samples);
-    textureStore(specular_out, invocation.xy, traced.light);
-    textureStore(distance_out, invocation.xy, vec4f(traced.distance, 0.0, 0.0, 0.0));
+    let number = listed[1u + index];
+    let place = vec2u(number % traced_size().x, number / traced_size().x);
+    let samples = textureLoad(diffuse_samples, place, 0).r;
+    let traced = trace_specular(traced_pixel(place), traced_turn(), settings.turns, samples);
+    textureStore(specular_out, place, traced.light);
+    textureStore(distance_out, place, vec4f(traced.distance, 0.0, 0.0, 0.0));
 }

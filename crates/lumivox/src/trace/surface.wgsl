@@ -21,6 +21,11 @@ struct Specular {
     coat_roughness: f32,
 }
 
+// Whether the surface reflects at all: a matt one does not.
+fn is_glossy(specular: Specular) -> bool {
+    return any(specular.reflectance > vec3f(0.0)) || specular.coat > 0.0;
+}
+
 // Octahedral map: Meyer et al. 2010, "On floating-point normal vectors".
 fn octahedral_decode(encoded: vec2f) -> vec3f {
     var normal = vec3f(encoded, 1.0 - abs(encoded.x) - abs(encoded.y));

@@ -6,7 +6,7 @@ use glam::UVec2;
 use super::{OUTPUT_FORMAT, SAMPLES_FORMAT, ScreenSettings, Tracer, WORDS_FORMAT};
 use crate::cones::{TraceResolution, TraceSettings};
 use crate::gpu::{
-    BindGroup, BindGroupBuilder, Buffer, Recorder, Slot, Slots, Texture, TextureView,
+    BindGroup, BindGroupBuilder, Buffer, Kernel, Recorder, Slot, Slots, Texture, TextureView,
     storage_buffer, uniform_buffer,
 };
 use crate::temporal::{self, Past};
@@ -22,7 +22,10 @@ pub(crate) struct TraceTargets {
     size: UVec2,
     resolution: TraceResolution,
     traced: Traced,
-    listed: Listed,
+    /// The traced pixels that are glossy.
+    glossy: Listed,
+    /// The pixels that are traced individually.
+    edges: Listed,
     /// Light of earlier frames; `None` if the settings do not keep it.
     pub(super) past: Option<Past>,
     slots: Slots<TraceSlot>,
@@ -46,38 +49,79 @@ struct Traced {
     distance: TextureView,
 }
 
-/// The pixels that are traced individually: their number with the dispatch's workgroups, and their
-/// indices.
+/// A list of pixels: their number with the dispatch's workgroups, and their indices.
 #[derive(Debug)]
 struct Listed {
     counts: Buffer,
     pixels: Buffer,
 }
 
+impl Listed {
+    /// A list of at most `most` pixels.
+    fn new(device: &wgpu::Device, label: &str, most: u64) -> Self {
+        // The binding limit caps the list, at 33 million pixels by default.
+        let limit = device.limits().max_storage_buffer_binding_size / 4;
+        Self {
+            counts: storage_buffer(device, label, 16),
+            pixels: storage_buffer(device, label, 4 * (most + 1).min(limit)),
+        }
+    }
+
+    /// Bytes of a list of at most `most` pixels.
+    fn bytes(most: u64) -> u64 {
+        16 + (4 * (most + 1)).max(16)
+    }
+}
+
+/// A list of pixels, for dispatches over it.
+#[derive(Debug)]
+pub(super) struct ListSlot {
+    pub(super) counts: Buffer,
+    /// For the kernel that computes the dispatch's workgroups.
+    pub(super) count: BindGroup,
+}
+
+impl ListSlot {
+    fn new(tracer: &Tracer, device: &wgpu::Device, list: &Listed) -> Self {
+        let count = BindGroupBuilder::new(&tracer.count_layout)
+            .buffer(&list.counts)
+            .buffer(&list.pixels)
+            .build(device, "listed pixels");
+        Self { counts: list.counts.clone(), count }
+    }
+
+    /// Runs a kernel with an invocation per pixel.
+    pub(super) fn run(&self, recorder: &mut Recorder<'_>, kernel: &Kernel, groups: &[&BindGroup]) {
+        recorder.compute("listed pixels", |pass| {
+            kernel.dispatch_indirect(pass, groups, &self.counts, ARGUMENTS_OFFSET);
+        });
+    }
+}
+
+/// Offset of the workgroup counts in the counts buffer of listed pixels.
+const ARGUMENTS_OFFSET: u64 = 4;
+
 /// The settings of one recording, with their bind groups.
 #[derive(Debug)]
 pub(super) struct TraceSlot {
     settings: Buffer,
     pub(super) diffuse: BindGroup,
+    pub(super) glossy: BindGroup,
+    pub(super) glossy_pixels: ListSlot,
     pub(super) specular: BindGroup,
     pub(super) share_reflections: BindGroup,
     /// Without light of earlier frames.
     pub(super) mean: Option<MeanSlot>,
-    pub(super) half: Option<HalfSlot>,
+    pub(super) edge_pixels: ListSlot,
+    /// At half resolution.
+    pub(super) edges: Option<BindGroup>,
     pub(super) temporal: Option<temporal::Groups>,
-    pub(super) counts: Buffer,
 }
 
 #[derive(Debug)]
 pub(super) struct MeanSlot {
     pub(super) share_irradiance: BindGroup,
     pub(super) reconstruct: BindGroup,
-}
-
-#[derive(Debug)]
-pub(super) struct HalfSlot {
-    pub(super) count: BindGroup,
-    pub(super) edges: BindGroup,
 }
 
 impl Slot for TraceSlot {
@@ -142,14 +186,13 @@ impl TraceTargets {
             [texture("irradiance", size, OUTPUT_FORMAT), texture("specular", size, OUTPUT_FORMAT)];
         let sizes = (size, traced_size);
         let past = settings.temporal.then(|| Past::new(device, sizes, &mut texture));
-        let pixels = if scale > 1 { u64::from(size.x) * u64::from(size.y) } else { 0 };
-        // The binding limit caps the list, at 33 million pixels by default.
-        let most = device.limits().max_storage_buffer_binding_size / 4;
-        let listed = Listed {
-            counts: storage_buffer(device, "edge count", 16),
-            pixels: storage_buffer(device, "edges", 4 * (pixels + 1).min(most)),
-        };
-        bytes += listed.counts.size() + listed.pixels.size();
+        let [pixels, traced_pixels] =
+            [size, traced_size].map(|size| u64::from(size.x) * u64::from(size.y));
+        let glossy = Listed::new(device, "glossy pixels", traced_pixels);
+        let edges = Listed::new(device, "edges", if scale > 1 { pixels } else { 0 });
+        for list in [&glossy, &edges] {
+            bytes += list.counts.size() + list.pixels.size();
+        }
         bytes += if settings.temporal { temporal::probe_bytes(traced_size) } else { 0 };
         let [irradiance, specular] = traced.map(|texture| texture.view());
         Self {
@@ -169,7 +212,8 @@ impl TraceTargets {
                 reflections,
                 distance,
             },
-            listed,
+            glossy,
+            edges,
             past,
             slots: Slots::default(),
             bytes,
@@ -186,7 +230,7 @@ impl TraceTargets {
         // `outputs`: the results at the size of the picture.
         let cones = 52 * traced;
         let outputs = 16 * pixels;
-        let listed = 16 + if scale > 1 { 4 * (pixels + 1) } else { 16 };
+        let listed = Listed::bytes(traced) + Listed::bytes(if scale > 1 { pixels } else { 0 });
         let past = if settings.temporal {
             temporal::past_bytes(pixels, traced_size) + 4 * traced + 8
         } else {
@@ -266,7 +310,7 @@ impl TraceTargets {
             distance,
             ..
         } = &self.traced;
-        let Listed { counts, pixels } = &self.listed;
+        let Listed { counts, pixels: listed } = &self.edges;
         let settings = uniform_buffer(device, "screen settings", &ScreenSettings::zeroed());
         let mean = self.past.is_none().then(|| MeanSlot {
             share_irradiance: BindGroupBuilder::new(&tracer.share_irradiance_layout)
@@ -285,24 +329,19 @@ impl TraceTargets {
                 .view(&self.irradiance)
                 .view(&self.specular)
                 .buffer(counts)
-                .buffer(pixels)
+                .buffer(listed)
                 .build(device, "reconstruct"),
         });
-        let half = (self.resolution == TraceResolution::Half).then(|| HalfSlot {
-            count: BindGroupBuilder::new(&tracer.half.count)
-                .buffer(counts)
-                .buffer(pixels)
-                .build(device, "edge count"),
-            edges: BindGroupBuilder::new(&tracer.half.edges)
+        let edges = (self.resolution == TraceResolution::Half).then(|| {
+            BindGroupBuilder::new(&tracer.edges_layout)
                 .buffer(&settings)
-                .buffer(pixels)
+                .buffer(listed)
                 .view(&self.irradiance)
                 .view(&self.specular)
                 .view(samples)
-                .build(device, "edges"),
+                .build(device, "edges")
         });
         let outputs = self.outputs.each_ref();
-        let listed = pixels;
         let traced =
             temporal::Traced { irradiance, guides, reflections, distance, outputs, counts, listed };
         let temporal = self
@@ -316,22 +355,34 @@ impl TraceTargets {
                 .view(samples)
                 .view(guides)
                 .build(device, "diffuse cones"),
+            glossy: BindGroupBuilder::new(&tracer.glossy_layout)
+                .buffer(&settings)
+                .view(samples)
+                .view(specular)
+                .view(distance)
+                .view(reflections)
+                .buffer(&self.glossy.counts)
+                .buffer(&self.glossy.pixels)
+                .build(device, "glossy pixels"),
+            glossy_pixels: ListSlot::new(tracer, device, &self.glossy),
             specular: BindGroupBuilder::new(&tracer.specular_layout)
                 .buffer(&settings)
                 .view(samples)
                 .view(specular)
                 .view(distance)
+                .buffer(&self.glossy.pixels)
                 .build(device, "glossy cones"),
             share_reflections: BindGroupBuilder::new(&tracer.share_reflections_layout)
                 .buffer(&settings)
                 .view(guides)
                 .view(specular)
                 .view(reflections)
+                .buffer(&self.glossy.pixels)
                 .build(device, "share reflections"),
             mean,
-            half,
+            edge_pixels: ListSlot::new(tracer, device, &self.edges),
+            edges,
             temporal,
-            counts: counts.clone(),
             settings,
         }
     }

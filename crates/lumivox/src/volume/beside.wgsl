@@ -88,12 +88,24 @@ fn face_like(entry: u32, lobe: u32, normal: vec3f, point: vec3f, likeness: Liken
 fn is_parted(start: vec3f, end: vec3f, normal: vec3f, cascade: u32) -> bool {
     let first = start + ABOVE * normal;
     let last = end + ABOVE * normal;
+    let at_first = vec3i(floor(first));
+    let at_last = vec3i(floor(last));
+    let at_middle = vec3i(floor(mix(first, last, 0.5)));
+    // Each voxel is searched once.
+    let is_last_other = any(at_last != at_first);
+    let is_middle_other = any(at_middle != at_first) && any(at_middle != at_last);
+    let count = 1u + u32(is_last_other) + u32(is_middle_other);
     var parted = false;
-    for (var i = 0; i < 3; i++) {
-        let voxel = vec3i(floor(mix(first, last, 0.5 * f32(i))));
+    var i = 0u;
+    loop {
+        let voxel = select(select(at_middle, at_last, i == 1u), at_first, i == 0u);
         let corner = vec3f(voxel);
         let between = face_between(entry_at(voxel, cascade), NOTHING, first - corner, last - corner);
         parted = parted || between != NOTHING;
+        continuing {
+            i++;
+            break if parted || i >= count;
+        }
     }
     return parted;
 }

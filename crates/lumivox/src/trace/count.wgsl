@@ -1,10 +1,10 @@
-// The arguments of the dispatch over the listed pixels (`reconstruct.wgsl`).
+// The arguments of a dispatch over listed pixels (`glossy.wgsl`, `reconstruct.wgsl`).
 
 import package::constants::{LINEAR_WORKGROUP_SIZE, MAX_WORKGROUPS};
 
 // The number of listed pixels, followed by the dispatch's workgroups.
-@group(1) @binding(0) var<storage, read_write> counts: array<u32>;
-@group(1) @binding(1) var<storage, read_write> listed: array<u32>;
+@group(0) @binding(0) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(1) var<storage, read_write> listed: array<u32>;
 
 @compute @workgroup_size(1)
 fn main() {
