@@ -117,6 +117,19 @@ impl Kernel {
         pass.dispatch_workgroups_indirect(arguments, offset);
     }
 
+    /// Runs [`Self::dispatch_indirect`] in its own pass.
+    pub fn run_indirect(
+        &self,
+        recorder: &mut Recorder<'_>,
+        groups: &[&BindGroup],
+        arguments: &Buffer,
+        offset: u64,
+    ) {
+        recorder.compute(&self.label, |pass| {
+            self.dispatch_indirect(pass, groups, arguments, offset);
+        });
+    }
+
     /// Runs [`Self::dispatch`] in its own pass.
     pub fn run(&self, recorder: &mut Recorder, groups: &[&BindGroup], threads: [u32; 3]) {
         recorder.compute(&self.label, |pass| self.dispatch(pass, groups, threads));

@@ -35,7 +35,7 @@ fn diffuse(
 ) {
     let edge = edge_of(linear_index(invocation, workgroups));
     if edge.is_there {
-        let traced = trace_diffuse(edge.pixel, view.frame, settings.listed_turns);
+        let traced = trace_diffuse(edge.pixel, view.frame, settings.edge_turns);
         textureStore(irradiance_out, edge.pixel, traced.irradiance);
     }
 }
@@ -49,8 +49,8 @@ fn specular(
     let edge = edge_of(linear_index(invocation, workgroups));
     if edge.is_there {
         let samples = textureLoad(diffuse_samples, edge.pixel / settings.scale, 0).r;
-        let turns = f32(settings.listed_turns) / f32(settings.turns);
-        let traced = trace_specular(edge.pixel, view.frame, settings.listed_turns, turns * samples);
+        let turns = f32(settings.edge_turns) / f32(settings.turns);
+        let traced = trace_specular(edge.pixel, view.frame, settings.edge_turns, turns * samples);
         textureStore(specular_out, edge.pixel, traced.light);
     }
 }

@@ -57,7 +57,7 @@ pub(crate) struct ScreenSettings {
     pub(crate) remembers: u32,
     pub(crate) has_changed: u32,
     pub(crate) turns: u32,
-    pub(crate) listed_turns: u32,
+    pub(crate) edge_turns: u32,
     pub(crate) shares: u32,
     pub(crate) emitter_rays: u32,
     padding: [u32; 2],
@@ -81,7 +81,7 @@ impl ScreenSettings {
             remembers: 0,
             has_changed: 0,
             turns: 1,
-            listed_turns: 1,
+            edge_turns: 1,
             // Marched cones are wide enough that pixels need not share light.
             shares: u32::from(!marches),
             emitter_rays: match resolution {
@@ -107,10 +107,11 @@ pub(crate) struct Tracer {
     reconstruct_layout: wgpu::BindGroupLayout,
     edges_layout: wgpu::BindGroupLayout,
     temporal: temporal::Layouts,
-    /// Lists glossy pixels.
+    /// Lists glossy tiles.
     glossy: Kernel,
-    /// Computes the arguments of dispatches over listed pixels.
-    count: Kernel,
+    /// Compute the arguments of dispatches over lists of tiles and of pixels.
+    count_tiles: Kernel,
+    count_pixels: Kernel,
     share_reflections: Kernel,
     /// Created by the first trace without light of earlier frames.
     mean_kernels: OnceLock<MeanKernels>,
@@ -151,9 +152,9 @@ impl Tracer {
             .storage_texture(d2, WORDS_FORMAT)
             .storage_mut()
             .storage_mut()
-            .build(device, "glossy pixels");
+            .build(device, "glossy tiles");
         let count_layout =
-            LayoutBuilder::compute().storage_mut().storage_mut().build(device, "listed pixels");
+            LayoutBuilder::compute().storage_mut().storage_mut().build(device, "count");
         let specular_layout = LayoutBuilder::compute()
             .uniform()
             .texture_2d_unfilterable()
@@ -203,13 +204,16 @@ impl Tracer {
             Kernel::deferred(device, shaders, module, "main", &groups)
         };
         let glossy = unlit("trace::glossy", &glossy_layout)?;
-        let count = Kernel::deferred(device, shaders, "trace::count", "main", &[&count_layout])?;
+        let count =
+            |entry| Kernel::deferred(device, shaders, "trace::count", entry, &[&count_layout]);
+        let [count_tiles, count_pixels] = [count("tiles")?, count("pixels")?];
         let share_reflections = unlit("trace::share_reflections", &share_reflections_layout)?;
         Ok(Self {
             diffuse: kernel("trace::diffuse", &diffuse_layout)?,
             specular: kernel("trace::specular", &specular_layout)?,
             glossy,
-            count,
+            count_tiles,
+            count_pixels,
             diffuse_layout,
             glossy_layout,
             count_layout,
@@ -234,7 +238,9 @@ impl Tracer {
         }
         let mean = self.mean_kernels.get().into_iter();
         let mean = mean.flat_map(|kernels| [&kernels.share_irradiance, &kernels.reconstruct]);
-        for kernel in mean.chain([&self.glossy, &self.count, &self.share_reflections]) {
+        let count = self.edges.get().map(|_| &self.count_pixels);
+        let always = [&self.glossy, &self.count_tiles, &self.share_reflections];
+        for kernel in mean.chain(count).chain(always) {
             kernel.expect(device);
         }
         if let Some(kernels) = self.temporal_kernels.get() {
@@ -306,12 +312,12 @@ impl Tracer {
         targets.with_settings(self, &device, |slot| {
             let known = targets.past.as_ref().map(|past| past.known(bound.content));
             // If no light is known yet, more turns are traced.
-            let listed_turns = if known.is_some() { temporal::FIRST_TURNS } else { 1 };
+            let edge_turns = if known.is_some() { temporal::FIRST_TURNS } else { 1 };
             let [remembers, has_changed] = known.unwrap_or_default().map(u32::from);
-            let turns = if remembers != 0 { 1 } else { listed_turns };
+            let turns = if remembers != 0 { 1 } else { edge_turns };
             let shares = if known.is_some() { 0 } else { settings.shares };
             let own =
-                ScreenSettings { remembers, has_changed, turns, listed_turns, shares, ..*settings };
+                ScreenSettings { remembers, has_changed, turns, edge_turns, shares, ..*settings };
             slot.set(recorder.queue(), &own);
             let group = |own| [bound.globals, own, bound.lights, bound.gbuffer];
             let unlit = |own| [bound.globals, own, &self.temporal.nothing_group, bound.gbuffer];
@@ -324,16 +330,18 @@ impl Tracer {
                 let probes = kernels.trace_probes.variant(has_emitters);
                 past.probe(recorder, (kernels, probes), groups, [bound.globals, bound.lights]);
             }
-            recorder.clear(&slot.glossy_pixels.counts);
+            recorder.clear(&slot.glossy_tiles.counts);
             self.glossy.run(recorder, &unlit(&slot.glossy), [x, y, 1]);
-            self.count.run(recorder, &[&slot.glossy_pixels.count], [1, 1, 1]);
+            self.count_tiles.run(recorder, &[&slot.glossy_tiles.count], [1, 1, 1]);
             let specular = self.specular.variant(has_emitters);
-            slot.glossy_pixels.run(recorder, specular, &group(&slot.specular));
+            slot.glossy_tiles.run(recorder, specular, &group(&slot.specular));
             if shares != 0 || temporal.is_some() {
                 let groups = unlit(&slot.share_reflections);
-                slot.glossy_pixels.run(recorder, &self.share_reflections, &groups);
+                slot.glossy_tiles.run(recorder, &self.share_reflections, &groups);
             }
-            recorder.clear(&slot.edge_pixels.counts);
+            if let Some(edges) = &slot.edges {
+                recorder.clear(&edges.pixels.counts);
+            }
             if let Some(((past, groups), kernels)) = temporal {
                 let reflected = targets.reflected();
                 let former = past.former_group(&device, &self.temporal, slot.settings(), reflected);
@@ -348,9 +356,10 @@ impl Tracer {
                 kernels.reconstruct.run(recorder, &unlit(&own.reconstruct), [x, y, 1]);
             }
             if let (Some(edges), Some(kernels)) = (&slot.edges, self.edges.get()) {
-                self.count.run(recorder, &[&slot.edge_pixels.count], [1, 1, 1]);
+                self.count_pixels.run(recorder, &[&edges.pixels.count], [1, 1, 1]);
                 for kernel in kernels {
-                    slot.edge_pixels.run(recorder, kernel.variant(has_emitters), &group(edges));
+                    let groups = group(&edges.edges);
+                    edges.pixels.run(recorder, kernel.variant(has_emitters), &groups);
                 }
             }
             targets.keep(recorder, bound.content);

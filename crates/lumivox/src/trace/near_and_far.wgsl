@@ -62,7 +62,7 @@ fn find_known(position_in_world: vec3f, normal: vec3f, level: u32) {
 // find_known before.
 fn known_in(words: vec4u) -> Known {
     var sum = FarSum();
-    for (var i = 0u; i < 4u; i++) {
+    for (var i = 0u; i < far_cells() / 4u; i++) {
         sum = with_far_light(sum, words[i], weights_around[i]);
     }
     return mean_of(sum);
@@ -99,7 +99,7 @@ fn gather_surface(
         let b = far_texel(faces_around[1], four);
         let c = far_texel(faces_around[2], four);
         let d = far_texel(faces_around[3], four);
-        for (var i = 0u; i < 4u; i++) {
+        for (var i = 0u; i < far_cells() / 4u; i++) {
             let local = cell_cone(4u * four + i, FAR_CELLS, vec2f(0.5)).direction;
             let cosine = max(dot(world_from_cells * local, shading_normal), 0.0);
             let known = known_in(vec4u(a[i], b[i], c[i], d[i]));

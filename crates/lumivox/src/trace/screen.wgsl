@@ -15,9 +15,9 @@ struct ScreenSettings {
     remembers: u32,
     // Whether light or surfaces have changed since the last frame.
     has_changed: u32,
-    // Turns of the jitter sequence per frame, for a traced and for a listed pixel (`edges.wgsl`).
+    // Turns of the jitter sequence per frame, for a traced and for an edge pixel (`edges.wgsl`).
     turns: u32,
-    listed_turns: u32,
+    edge_turns: u32,
     // Whether the first frames of a mean share the light of pixels and faces.
     shares: u32,
     // Rays to emitters of a traced pixel.

@@ -1,10 +1,9 @@
-// Removes noise from the reflections of listed pixels (`glossy.wgsl`): each shares light with those
-// around.
+// Removes noise from the reflections of the glossy tiles' pixels (`glossy.wgsl`): each shares light
+// with those around.
 
-import package::constants::LINEAR_WORKGROUP_SIZE;
-import package::gpu::dispatch::linear_index;
 import package::trace::fit::fit;
 import package::trace::gbuffer::{load_specular, load_surface};
+import package::trace::glossy::{place_in_tile, reflects, TILE};
 import package::trace::guide::{guide_normal, guide_position, is_surface};
 import package::trace::reflections::{brightness, pack_reflections, Reflections};
 import package::trace::screen::{settings, traced_pixel, traced_size};
@@ -14,8 +13,8 @@ import package::voxelize::reproducible::is_finite;
 @group(1) @binding(1) var guides: texture_2d<u32>;
 @group(1) @binding(2) var specular_in: texture_2d<f32>;
 @group(1) @binding(3) var reflections_out: texture_storage_2d<rgba32uint, write>;
-// The number of listed pixels, followed by their indices.
-@group(1) @binding(4) var<storage, read> listed: array<u32>;
+// The number of glossy tiles, followed by their indices.
+@group(1) @binding(4) var<storage, read> glossy_tiles: array<u32>;
 
 // Multiple of the typical reflection around above which the excess is spread over all pixels
 // around: one pixel's ray has hit by chance a light that all of them reflect.
@@ -88,19 +87,27 @@ fn filtered(own: vec4f, centre: vec2u, surface: Surface, material: Specular) -> 
     return Reflections(own.rgb - above(own.rgb, limit) + excess / all, sum / all, own.a);
 }
 
-@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+@compute @workgroup_size(TILE, TILE)
 fn main(
-    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(local_invocation_id) local: vec3u,
+    @builtin(workgroup_id) workgroup: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let index = linear_index(invocation, workgroups);
-    if index >= listed[0] {
+    let index = workgroup.y * workgroups.x + workgroup.x;
+    if index >= glossy_tiles[0] {
         return;
     }
-    let number = listed[1u + index];
-    let place = vec2u(number % traced_size().x, number / traced_size().x);
+    let place = place_in_tile(glossy_tiles[1u + index], local.xy);
+    if any(place >= traced_size()) {
+        return;
+    }
     let pixel = traced_pixel(place);
+    let surface = load_surface(pixel);
+    let material = load_specular(pixel);
     let own = textureLoad(specular_in, place, 0);
-    let reflections = filtered(own, place, load_surface(pixel), load_specular(pixel));
+    var reflections = Reflections(own.rgb, own.rgb, own.a);
+    if reflects(surface, material) {
+        reflections = filtered(own, place, surface, material);
+    }
     textureStore(reflections_out, place, pack_reflections(reflections));
 }

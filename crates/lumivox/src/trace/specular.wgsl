@@ -1,5 +1,5 @@
-// A glossy cone from each listed pixel (`glossy.wgsl`): reflected radiance in rgb, the pixel's samples (diffuse ones
-// included) in a.
+// A glossy cone from each pixel of the glossy tiles (`glossy.wgsl`): reflected radiance in rgb, the
+// pixel's samples (diffuse ones included) in a.
 //
 // Every turn draws half vectors from the distribution of visible normals, chooses one of them by
 // its weight, F G2 / G1 (Heitz 2018, equation 19), and traces a cone along the mirrored direction.
@@ -13,8 +13,7 @@
 // Under a clear coat there are two lobes. A turn draws one of them, with a probability proportional
 // to its reflectance, and divides by that probability.
 
-import package::constants::{LARGEST_HALF, LINEAR_WORKGROUP_SIZE};
-import package::gpu::dispatch::linear_index;
+import package::constants::LARGEST_HALF;
 import package::gpu::random::{hash, random_pair, sequence_pair};
 import package::environment::environment_reflection;
 import package::trace::brdf::{alpha_from_roughness, fresnel_schlick};
@@ -23,12 +22,13 @@ import package::cascades::drawn_level;
 import package::cones::cone::Cone;
 import package::cones::trace_method::{cone_growth, cone_start, trace_cone};
 import package::trace::gbuffer::{load_specular, load_surface};
+import package::trace::glossy::{place_in_tile, reflects, TILE};
 import package::cones::hemisphere::basis;
 import package::emitters::gather::{has_emitters, TURN_STEPS};
 import package::trace::known_gloss::{resample, share_of_known};
 import package::trace::lobe::Lobe;
 import package::trace::lobe_emitters::{expected_irradiance, reflect_emitters};
-import package::trace::surface::{is_glossy, Specular, Surface};
+import package::trace::surface::{Specular, Surface};
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
 import package::trace::view::view;
 import package::trace::gather_method::{find_known, known_from};
@@ -38,8 +38,8 @@ import package::volume::far_light::NEAR;
 @group(1) @binding(2) var specular_out: texture_storage_2d<rgba16float, write>;
 // Distance of the reflected surface, in voxels; a texture of 1x1 if not needed.
 @group(1) @binding(3) var distance_out: texture_storage_2d<r32float, write>;
-// The number of listed pixels, followed by their indices.
-@group(1) @binding(4) var<storage, read> listed: array<u32>;
+// The number of glossy tiles, followed by their indices.
+@group(1) @binding(4) var<storage, read> glossy_tiles: array<u32>;
 
 // Cosine of 60 degrees, half of a hemisphere: wider cones would reach below their surface.
 const MIN_COS_HALF_ANGLE: f32 = 0.5;
@@ -75,8 +75,7 @@ fn trace_specular(pixel: vec2u, turn: u32, turns: u32, samples: f32) -> Reflecti
     let surface = load_surface(pixel);
     let material = load_specular(pixel);
     let coat = coat_of(material);
-    let is_off = settings.bounces == 0u || settings.specular_share <= 0.0;
-    if surface.depth <= 0.0 || is_off || !is_glossy(material) {
+    if !reflects(surface, material) {
         return mean;
     }
     let world_from_normal = basis(surface.shading_normal);
@@ -179,17 +178,20 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
     return Reflection(vec4f(reflected + radiance * drawn.weight, samples), traced.distance);
 }
 
-@compute @workgroup_size(LINEAR_WORKGROUP_SIZE)
+@compute @workgroup_size(TILE, TILE)
 fn main(
-    @builtin(global_invocation_id) invocation: vec3u,
+    @builtin(local_invocation_id) local: vec3u,
+    @builtin(workgroup_id) workgroup: vec3u,
     @builtin(num_workgroups) workgroups: vec3u,
 ) {
-    let index = linear_index(invocation, workgroups);
-    if index >= listed[0] {
+    let index = workgroup.y * workgroups.x + workgroup.x;
+    if index >= glossy_tiles[0] {
         return;
     }
-    let number = listed[1u + index];
-    let place = vec2u(number % traced_size().x, number / traced_size().x);
+    let place = place_in_tile(glossy_tiles[1u + index], local.xy);
+    if any(place >= traced_size()) {
+        return;
+    }
     let samples = textureLoad(diffuse_samples, place, 0).r;
     let traced = trace_specular(traced_pixel(place), traced_turn(), settings.turns, samples);
     textureStore(specular_out, place, traced.light);

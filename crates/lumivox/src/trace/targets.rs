@@ -22,10 +22,10 @@ pub(crate) struct TraceTargets {
     size: UVec2,
     resolution: TraceResolution,
     traced: Traced,
-    /// The traced pixels that are glossy.
-    glossy: Listed,
-    /// The pixels that are traced individually.
-    edges: Listed,
+    /// Tiles of traced pixels, with glossy surfaces.
+    glossy_tiles: Listed,
+    /// Pixels that are traced individually.
+    edge_pixels: Listed,
     /// Light of earlier frames; `None` if the settings do not keep it.
     pub(super) past: Option<Past>,
     slots: Slots<TraceSlot>,
@@ -49,31 +49,39 @@ struct Traced {
     distance: TextureView,
 }
 
-/// A list of pixels: their number with the dispatch's workgroups, and their indices.
+fn pixels_of(size: UVec2) -> u64 {
+    u64::from(size.x) * u64::from(size.y)
+}
+
+/// The number of tiles of 8x8 pixels (`glossy.wgsl`).
+fn tiles_of(size: UVec2) -> u64 {
+    pixels_of(size.map(|edge| edge.div_ceil(8)))
+}
+
+/// A list: its length with the dispatch's workgroups, and the indices of its pixels or tiles.
 #[derive(Debug)]
 struct Listed {
     counts: Buffer,
-    pixels: Buffer,
+    indices: Buffer,
 }
 
 impl Listed {
-    /// A list of at most `most` pixels.
+    /// A list of at most `most` indices; the binding limit caps it, at 33 million by default.
     fn new(device: &wgpu::Device, label: &str, most: u64) -> Self {
-        // The binding limit caps the list, at 33 million pixels by default.
         let limit = device.limits().max_storage_buffer_binding_size / 4;
         Self {
             counts: storage_buffer(device, label, 16),
-            pixels: storage_buffer(device, label, 4 * (most + 1).min(limit)),
+            indices: storage_buffer(device, label, 4 * (most + 1).min(limit)),
         }
     }
 
-    /// Bytes of a list of at most `most` pixels.
+    /// Bytes of a list of at most `most` indices, without the cap.
     fn bytes(most: u64) -> u64 {
         16 + (4 * (most + 1)).max(16)
     }
 }
 
-/// A list of pixels, for dispatches over it.
+/// A list, for dispatches over it.
 #[derive(Debug)]
 pub(super) struct ListSlot {
     pub(super) counts: Buffer,
@@ -85,20 +93,18 @@ impl ListSlot {
     fn new(tracer: &Tracer, device: &wgpu::Device, list: &Listed) -> Self {
         let count = BindGroupBuilder::new(&tracer.count_layout)
             .buffer(&list.counts)
-            .buffer(&list.pixels)
-            .build(device, "listed pixels");
+            .buffer(&list.indices)
+            .build(device, "count");
         Self { counts: list.counts.clone(), count }
     }
 
-    /// Runs a kernel with an invocation per pixel.
+    /// Runs a kernel over the list.
     pub(super) fn run(&self, recorder: &mut Recorder<'_>, kernel: &Kernel, groups: &[&BindGroup]) {
-        recorder.compute("listed pixels", |pass| {
-            kernel.dispatch_indirect(pass, groups, &self.counts, ARGUMENTS_OFFSET);
-        });
+        kernel.run_indirect(recorder, groups, &self.counts, ARGUMENTS_OFFSET);
     }
 }
 
-/// Offset of the workgroup counts in the counts buffer of listed pixels.
+/// Offset of the workgroup counts in a list's counts.
 const ARGUMENTS_OFFSET: u64 = 4;
 
 /// The settings of one recording, with their bind groups.
@@ -107,14 +113,13 @@ pub(super) struct TraceSlot {
     settings: Buffer,
     pub(super) diffuse: BindGroup,
     pub(super) glossy: BindGroup,
-    pub(super) glossy_pixels: ListSlot,
+    pub(super) glossy_tiles: ListSlot,
     pub(super) specular: BindGroup,
     pub(super) share_reflections: BindGroup,
     /// Without light of earlier frames.
     pub(super) mean: Option<MeanSlot>,
-    pub(super) edge_pixels: ListSlot,
     /// At half resolution.
-    pub(super) edges: Option<BindGroup>,
+    pub(super) edges: Option<EdgeSlot>,
     pub(super) temporal: Option<temporal::Groups>,
 }
 
@@ -122,6 +127,12 @@ pub(super) struct TraceSlot {
 pub(super) struct MeanSlot {
     pub(super) share_irradiance: BindGroup,
     pub(super) reconstruct: BindGroup,
+}
+
+#[derive(Debug)]
+pub(super) struct EdgeSlot {
+    pub(super) pixels: ListSlot,
+    pub(super) edges: BindGroup,
 }
 
 impl Slot for TraceSlot {
@@ -186,12 +197,11 @@ impl TraceTargets {
             [texture("irradiance", size, OUTPUT_FORMAT), texture("specular", size, OUTPUT_FORMAT)];
         let sizes = (size, traced_size);
         let past = settings.temporal.then(|| Past::new(device, sizes, &mut texture));
-        let [pixels, traced_pixels] =
-            [size, traced_size].map(|size| u64::from(size.x) * u64::from(size.y));
-        let glossy = Listed::new(device, "glossy pixels", traced_pixels);
-        let edges = Listed::new(device, "edges", if scale > 1 { pixels } else { 0 });
-        for list in [&glossy, &edges] {
-            bytes += list.counts.size() + list.pixels.size();
+        let pixels = if scale > 1 { pixels_of(size) } else { 0 };
+        let glossy_tiles = Listed::new(device, "glossy tiles", tiles_of(traced_size));
+        let edge_pixels = Listed::new(device, "edges", pixels);
+        for list in [&glossy_tiles, &edge_pixels] {
+            bytes += list.counts.size() + list.indices.size();
         }
         bytes += if settings.temporal { temporal::probe_bytes(traced_size) } else { 0 };
         let [irradiance, specular] = traced.map(|texture| texture.view());
@@ -212,8 +222,8 @@ impl TraceTargets {
                 reflections,
                 distance,
             },
-            glossy,
-            edges,
+            glossy_tiles,
+            edge_pixels,
             past,
             slots: Slots::default(),
             bytes,
@@ -224,13 +234,13 @@ impl TraceTargets {
     pub fn bytes(size: UVec2, settings: &TraceSettings) -> u64 {
         let scale = settings.resolution.scale();
         let traced_size = size.map(|edge| edge.div_ceil(scale));
-        let [pixels, traced] =
-            [size, traced_size].map(|size| u64::from(size.x) * u64::from(size.y));
+        let [pixels, traced] = [size, traced_size].map(pixels_of);
         // `cones`: the cones' two pictures, sample counts, surfaces and shared reflections;
         // `outputs`: the results at the size of the picture.
         let cones = 52 * traced;
         let outputs = 16 * pixels;
-        let listed = Listed::bytes(traced) + Listed::bytes(if scale > 1 { pixels } else { 0 });
+        let edge_pixels = if scale > 1 { pixels } else { 0 };
+        let listed = Listed::bytes(tiles_of(traced_size)) + Listed::bytes(edge_pixels);
         let past = if settings.temporal {
             temporal::past_bytes(pixels, traced_size) + 4 * traced + 8
         } else {
@@ -310,7 +320,7 @@ impl TraceTargets {
             distance,
             ..
         } = &self.traced;
-        let Listed { counts, pixels: listed } = &self.edges;
+        let Listed { counts, indices: listed } = &self.edge_pixels;
         let settings = uniform_buffer(device, "screen settings", &ScreenSettings::zeroed());
         let mean = self.past.is_none().then(|| MeanSlot {
             share_irradiance: BindGroupBuilder::new(&tracer.share_irradiance_layout)
@@ -332,14 +342,15 @@ impl TraceTargets {
                 .buffer(listed)
                 .build(device, "reconstruct"),
         });
-        let edges = (self.resolution == TraceResolution::Half).then(|| {
-            BindGroupBuilder::new(&tracer.edges_layout)
+        let edges = (self.resolution == TraceResolution::Half).then(|| EdgeSlot {
+            pixels: ListSlot::new(tracer, device, &self.edge_pixels),
+            edges: BindGroupBuilder::new(&tracer.edges_layout)
                 .buffer(&settings)
                 .buffer(listed)
                 .view(&self.irradiance)
                 .view(&self.specular)
                 .view(samples)
-                .build(device, "edges")
+                .build(device, "edges"),
         });
         let outputs = self.outputs.each_ref();
         let traced =
@@ -361,26 +372,25 @@ impl TraceTargets {
                 .view(specular)
                 .view(distance)
                 .view(reflections)
-                .buffer(&self.glossy.counts)
-                .buffer(&self.glossy.pixels)
-                .build(device, "glossy pixels"),
-            glossy_pixels: ListSlot::new(tracer, device, &self.glossy),
+                .buffer(&self.glossy_tiles.counts)
+                .buffer(&self.glossy_tiles.indices)
+                .build(device, "glossy tiles"),
+            glossy_tiles: ListSlot::new(tracer, device, &self.glossy_tiles),
             specular: BindGroupBuilder::new(&tracer.specular_layout)
                 .buffer(&settings)
                 .view(samples)
                 .view(specular)
                 .view(distance)
-                .buffer(&self.glossy.pixels)
+                .buffer(&self.glossy_tiles.indices)
                 .build(device, "glossy cones"),
             share_reflections: BindGroupBuilder::new(&tracer.share_reflections_layout)
                 .buffer(&settings)
                 .view(guides)
                 .view(specular)
                 .view(reflections)
-                .buffer(&self.glossy.pixels)
+                .buffer(&self.glossy_tiles.indices)
                 .build(device, "share reflections"),
             mean,
-            edge_pixels: ListSlot::new(tracer, device, &self.edges),
             edges,
             temporal,
             settings,
