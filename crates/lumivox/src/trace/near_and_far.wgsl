@@ -94,6 +94,7 @@ fn gather_surface(
     let world_from_cells = basis(geometric_normal);
     let cells_from_world = transpose(world_from_cells);
     var sum = vec4f(0.0);
+    // far_cells() / 4u is also the number of faces around, and of cells in a texel.
     for (var four = 0u; four < far_cells() / 4u; four++) {
         let a = far_texel(faces_around[0], four);
         let b = far_texel(faces_around[1], four);
