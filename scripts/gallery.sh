@@ -95,6 +95,11 @@ Walls, ball and block mirror more than they scatter: glossy cones, drawn anew in
 ./lumivox render builtin:lacquer -o lacquer.png --camera 0.6,0.8,1.6,0.1,0.35,-0.5,50 --preset high --resolution 192 --frames 96
 END
 
+picture mirrors "Mirrors" "scene=builtin:mirrors" <<'END'
+A mirror, a chrome ball, polished stone, water: rays meet planes in voxels, and lights and textures are those of the point they meet.
+./lumivox render builtin:mirrors -o mirrors.png --frames 64
+END
+
 picture clutter "Three hundred small things" "scene=builtin:clutter&camera=1.2,0.5,1.3,0,0.2,0,50" <<'END'
 A lamp and an even sky: each thing shades and colours its neighbours.
 ./lumivox render builtin:clutter -o clutter.png --camera 1.2,0.5,1.3,0,0.2,0,50 --frames 96

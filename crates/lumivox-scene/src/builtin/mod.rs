@@ -11,6 +11,7 @@ mod furnace;
 mod furnished;
 mod glow;
 mod lacquer;
+mod mirrors;
 mod panel;
 pub mod shapes;
 mod spheres;
@@ -46,7 +47,7 @@ const fn large(
     Builtin { name, about, is_large: true, make }
 }
 
-const ALL: [Builtin; 18] = [
+const ALL: [Builtin; 20] = [
     small("cornell", "the Cornell box with a small lamp: colour bleeding", || {
         Ok(cornell::scene(LightSource::Point))
     }),
@@ -95,6 +96,10 @@ const ALL: [Builtin; 18] = [
         "deep colours and black, more glossy than diffuse; checkered floor and ceiling",
         || Ok(lacquer::scene()),
     ),
+    small("mirrors", "a mirror, chrome near a wall, polished stone and water", || {
+        Ok(mirrors::mirrors())
+    }),
+    small("metals", "brushed metals with a roughness from 0.2 to 0.7", || Ok(mirrors::metals())),
     large("city", "a kilometre of streets, houses with rooms, a stadium; a fly-through", || {
         city::scene(false, false)
     }),

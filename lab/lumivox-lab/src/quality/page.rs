@@ -37,6 +37,10 @@ const FULL_BIAS: f64 = 5.0;
 const LEAK: f64 = 1.0;
 /// The goal for the change of the mean between resolutions, in per cent.
 const CHANGE: f64 = 3.0;
+/// The goal for FLIP of mirrors.
+const MIRROR_FLIP: f64 = 0.05;
+/// The goal for the RMSE of metals with a roughness of at least 0.2, in per cent.
+const METAL_RMSE: f64 = 10.0;
 
 struct Goal {
     scene: &'static str,
@@ -80,6 +84,7 @@ pub fn page(
         text += &rooms.section();
     }
     text += &page.goals();
+    text += &page.mirrors();
     text += &page.turned();
     text += &page.leaks();
     text += &page.resolutions();
@@ -167,6 +172,38 @@ impl Page<'_> {
                     rmse.map_or("-".to_owned(), |rmse| rmse.to_string()),
                     noise(&one),
                     full.bias_percent,
+                    met(is_met)
+                );
+            }
+        }
+        text + "\n"
+    }
+
+    fn mirrors(&self) -> String {
+        let resolution = middle(&self.args.resolutions);
+        let mut text = format!(
+            "## Mirrors and metals\n\nThe picture at {resolution} voxels. Goals: FLIP of mirrors {MIRROR_FLIP}, RMSE of metals \
+             {METAL_RMSE} %. RMSE can be that of a few pixels with highlights; p95 and FLIP are not.\n\n\
+             | scene | preset | bias | RMSE | p95 | FLIP | noise | |\n| --- | --- | --: | --: | --: | --: | --: | --- |\n"
+        );
+        for scene in ["mirrors", "metals"] {
+            for preset in [Preset::High, Preset::Balanced] {
+                let entry = self.entry(scene, Rotation::NONE, preset, resolution);
+                let Some(figures) = entry.and_then(|entry| entry.figures.picture) else { continue };
+                let flip = figures.flip.unwrap_or(f64::INFINITY);
+                let is_met = if scene == "mirrors" {
+                    flip <= MIRROR_FLIP
+                } else {
+                    figures.rmse_percent <= METAL_RMSE
+                };
+                let _ = writeln!(
+                    text,
+                    "| {scene} | {} | {:+.1} | {} | {:.1} | {flip:.3} | {} | {} |",
+                    PresetChoice::Cones(preset).name(),
+                    figures.bias_percent,
+                    rmse(&figures),
+                    figures.p95_percent,
+                    noise(&figures),
                     met(is_met)
                 );
             }
