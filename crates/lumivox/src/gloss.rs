@@ -35,7 +35,7 @@ impl Gloss {
     pub const NONE: Self = Self { mean: 0.0, grazing: 0.0, kept_out: 0.0 };
 
     /// Computed from the microfacet BRDF of the cones' pixels (`trace/brdf.wgsl`): GGX,
-    /// height-correlated Smith, Schlick.
+    /// height-correlated Smith, Schlick, and the light of further microfacets.
     ///
     /// `f0` is the reflectance at normal incidence, `roughness` the perceptual roughness; both are
     /// clamped to 0 to 1.
@@ -51,7 +51,11 @@ impl Gloss {
         // Midpoints in the squared cosine are distributed like light from all around.
         let cosines: [f32; STEPS] =
             std::array::from_fn(|i| ((i as f32 + 0.5) / STEPS as f32).sqrt());
-        let shares = cosines.map(|cosine| mirrored(cosine, alpha, f0, f90));
+        let shares = cosines.map(|cosine| {
+            // With the light of further microfacets, as `of_all_microfacets` of the shader.
+            let all = mirrored(cosine, alpha, 1.0, 1.0);
+            mirrored(cosine, alpha, f0, f90) * (1.0 + f0 * (1.0 / all - 1.0))
+        });
         let shapes = cosines.map(|cosine| (1.0 - cosine).powi(4) - 1.0 / 15.0);
         let mean = shares.iter().sum::<f32>() / STEPS as f32;
         let growth = shares.iter().zip(&shapes).map(|(share, shape)| (share - mean) * shape);
@@ -140,12 +144,18 @@ mod tests {
         sum * 2.0 * PI / f64::from(STEPS * STEPS)
     }
 
+    /// The directional albedo with the light of further microfacets.
+    fn all(cosine: f64, roughness: f64, f0: f64) -> f64 {
+        let lost = 1.0 - summed(cosine, roughness, 1.0);
+        summed(cosine, roughness, f0) * (1.0 + f0 * lost / (1.0 - lost))
+    }
+
     #[test]
     fn mean_gloss_matches_the_brdf() {
         for roughness in [0.4, 0.5, 0.7, 1.0] {
             let gloss = Gloss::new(0.04, roughness as f32);
             let cosines = (0..24).map(|i| ((f64::from(i) + 0.5) / 24.0).sqrt());
-            let mean = cosines.map(|c| summed(c, roughness, 0.04)).sum::<f64>() / 24.0;
+            let mean = cosines.map(|c| all(c, roughness, 0.04)).sum::<f64>() / 24.0;
             let error = f64::from(gloss.mean) / mean - 1.0;
             assert!(error.abs() < 0.02, "{roughness}: {gloss:?}, not {mean}");
         }
@@ -160,7 +170,7 @@ mod tests {
             for cosine in [0.2, 0.33, 0.5, 0.8, 1.0] {
                 let growth = (1.0_f64 - cosine).powi(4) - 1.0 / 15.0;
                 let share = f64::from(gloss.mean) + f64::from(gloss.grazing) * growth;
-                let exact = summed(cosine, roughness, 0.04);
+                let exact = all(cosine, roughness, 0.04);
                 let allowed = 0.01_f64.max(exact / 6.0);
                 assert!(
                     (share - exact).abs() < allowed,

@@ -8,7 +8,7 @@ import package::light::shadow_map::{
 };
 import package::light::visibility::light_visibility;
 import package::trace::brdf::{
-    alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_visibility,
+    alpha_from_roughness, fresnel_schlick, ggx_distribution, ggx_visibility, of_all_microfacets,
 };
 import package::trace::coat::{below_coat, coat_fresnel, load_coat};
 import package::trace::gbuffer::{gbuffer_diffuse, gbuffer_specular, load_surface};
@@ -164,7 +164,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
     let below = below_coat(coat, n_dot_v);
     diffuse *= below;
-    glossy = below * glossy + varnish;
+    glossy = below * of_all_microfacets(specular.rgb, n_dot_v, lobe_alpha) * glossy + varnish;
     let visibility = select(1.0, arriving / sent, sent > 0.0);
     textureStore(direct_diffuse, pixel, vec4f(min(diffuse, vec3f(LARGEST_HALF)), visibility));
     textureStore(direct_specular, pixel, vec4f(glossy, illuminance));

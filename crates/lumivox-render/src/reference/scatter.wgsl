@@ -8,7 +8,8 @@
 import package::constants::PI;
 import package::render::reference::random::{random, random_2};
 import package::trace::brdf::{
-    fresnel_schlick, ggx_distribution, ggx_visibility, mirrored_density, sample_visible_normal,
+    fresnel_schlick, ggx_distribution, ggx_visibility, mirrored_density, of_all_microfacets,
+    sample_visible_normal,
 };
 import package::trace::coat::{below_coat, coat_fresnel, Coat};
 import package::cones::hemisphere::basis;
@@ -88,7 +89,8 @@ fn scatter(surface: Surface, direction: vec3f) -> Scattered {
         gloss_density = (surface.phong_exponent + 1.0) * lobe;
     } else {
         gloss = below * fresnel * ggx_distribution(n_dot_h, surface.alpha)
-            * ggx_visibility(n_dot_v, n_dot_l, surface.alpha);
+            * ggx_visibility(n_dot_v, n_dot_l, surface.alpha)
+            * of_all_microfacets(surface.f0, n_dot_v, surface.alpha);
         gloss_density = mirrored_density(n_dot_v, n_dot_h, surface.alpha);
     }
     let varnish = coat_fresnel(surface.coat, h_dot_v) * ggx_distribution(n_dot_h, surface.coat.alpha)

@@ -50,6 +50,8 @@ struct Traced {
     // other surface in the voxel lies between the hit and the point where the face's light is
     // computed.
     emission_of_face: vec3f,
+    // The face whose radiance it is; not below UNLIT (volume/patch.wgsl) if there is none.
+    face: u32,
 }
 
 // Distance of cones' starts above a surface, in its voxels.

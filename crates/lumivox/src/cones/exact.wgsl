@@ -72,5 +72,6 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
         select(OUTSIDE * max(extent.x, max(extent.y, extent.z)), hit.distance, is_met),
         emitted_by(hit.face),
         emitted_by(hit.struck),
+        hit.face,
     );
 }

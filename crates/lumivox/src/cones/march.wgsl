@@ -31,6 +31,7 @@ import package::cones::cone::{Cone, ConeSettings, MIN_GROWTH, OUTSIDE, Traced};
 import package::cones::model::{shown_share, start_of_cones};
 import package::constants::{LEAST_SURPLUS, SURPLUS};
 import package::grid::grid_from_world;
+import package::volume::patch::NOTHING;
 import package::volume::{is_clear, is_empty, is_oblique, probe_volume, sample_probe, Probe};
 
 // Within this distance of a cascade's border, in its voxels, a cone changes to the next cascade at
@@ -83,7 +84,7 @@ fn trace_cone(cone: Cone, settings: ConeSettings) -> Traced {
     // cells around it.
     let reach = min(cone.reach, 1.75 * side + 2.0 * largest_cell);
 
-    var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u, 0.0, vec3f(0.0), vec3f(0.0));
+    var traced = Traced(vec3f(0.0), 1.0, -1.0, 0u, 0.0, vec3f(0.0), vec3f(0.0), NOTHING);
     var distance = 0.0;
     var level = cone.level;
     var length = 0.0;

@@ -30,12 +30,13 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
 }
 
 /// Adds the methods for a march or for exact hits: of cones as `package::cones::trace_method`, of
-/// faces as `package::light::gather_method`, and of pixels as `package::trace::gather_method`.
+/// faces as `package::light::gather_method`, of pixels as `package::trace::gather_method`, and of
+/// surfaces in mirrors as `package::trace::hit_method`.
 pub(crate) fn mount(shaders: &mut ShaderLibrary, marches: bool) {
     let methods = if marches {
-        ["cones::march", "light::gather_cones", "trace::by_cones"]
+        ["cones::march", "light::gather_cones", "trace::by_cones", "trace::marched_hit"]
     } else {
-        ["cones::exact", "light::gather_rays", "trace::near_and_far"]
+        ["cones::exact", "light::gather_rays", "trace::near_and_far", "trace::lit_hit"]
     };
     for method in methods {
         shaders.fill(crate::gpu::implementation(method));

@@ -151,6 +151,11 @@ impl Gi {
                 shaders.add(path, own.source.clone());
             }
         }
+        let albedo =
+            if config.gbuffer.is_some() { "trace::no_albedo" } else { "trace::gbuffer_albedo" };
+        shaders
+            .fill(crate::gpu::implementation(albedo))
+            .constant_u32("HAS_INJECTION", u32::from(config.injection.is_some()));
         if config.grid.cascades.is_some() {
             refuse_with_cascades("voxelizer", config.voxelizer.is_some())?;
             refuse_with_cascades("injection", config.injection.is_some())?;

@@ -18,7 +18,8 @@ const HIT_BYTES: u64 = 4 * HIT_WORDS as u64;
 
 /// Cells of the hemisphere for a face's far light, a word each.
 pub(super) const FAR_CELLS: u32 = 16;
-pub(crate) const FAR_TEXELS: u32 = FAR_CELLS / 4;
+/// Texels of a face's far light: the cells, and what mirrors need (`volume/face_light.wgsl`).
+pub(crate) const FAR_TEXELS: u32 = FAR_CELLS / 4 + 1;
 
 /// Per-face light buffers of a voxel list.
 #[derive(Debug)]
@@ -69,7 +70,7 @@ impl Far {
     fn new(
         device: &wgpu::Device,
         kernels: &FarKernels,
-        [settings, boxes, hits]: [&Buffer; 3],
+        [settings, boxes, irradiance, hits, direct]: [&Buffer; 5],
         surface: &Surface,
         list: &VoxelList,
     ) -> Self {
@@ -80,8 +81,10 @@ impl Far {
             .slice(&list.counts, 0, LIST_COUNT_BYTES)
             .buffer(boxes)
             .buffer(&list.faces)
-            .view(&light_view)
+            .buffer(irradiance)
             .buffer(hits)
+            .buffer(direct)
+            .view(&light_view)
             .build(device, "far light");
         let views = [&light_view, &read_view];
         let [rows, columns] = [views, [views[1], views[0]]].map(|[from, to]| {
@@ -225,7 +228,7 @@ impl Faces {
         (settings, surface): (&Buffer, &Surface),
         list: &VoxelList,
     ) {
-        let buffers = [settings, &self.boxes, &self.hits];
+        let buffers = [settings, &self.boxes, &self.irradiance, &self.hits, &self.direct];
         let far = kernels.far.as_ref();
         self.far = far.map(|far| Far::new(device, far, buffers, surface, list));
     }

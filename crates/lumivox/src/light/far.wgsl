@@ -1,23 +1,30 @@
-// The far light of single faces from their rays (far_light.wgsl), before it is shared
-// (share_far.wgsl).
+// The far light of single faces from their rays (far_light.wgsl) and the light that arrives at them
+// (face_light.wgsl), before both are shared (share_far.wgsl).
 
 import package::cascades::cascade_of;
 import package::cones::hemisphere::{basis, cell_cone};
 import package::cones::ray::shown_by;
 import package::cones::trace_method::cone_growth;
-import package::constants::{FAR_CELLS, FAR_TEXELS, HIDDEN, HIT_WORDS, LINEAR_WORKGROUP_SIZE};
+import package::constants::{
+    FAR_CELLS, FAR_TEXELS, HIDDEN, HIT_WORDS, LINEAR_WORKGROUP_SIZE, PI,
+};
 import package::environment::environment_radiance;
 import package::gpu::dispatch::linear_index;
 import package::gpu::texels::texel_place;
 import package::grid::grid_from_world;
-import package::light::turn::{counts, face_jitter, faces, hits, settings, FACE_RAYS, HIT_OFFSET};
+import package::light::reflected::reflected_from_all_around;
+import package::light::turn::{
+    counts, face_jitter, faces, hits, irradiance, settings, FACE_RAYS, HIT_OFFSET,
+};
+import package::volume::face_light::{pack_face_light, FaceLight};
 import package::volume::far_light::{pack_far_light, FarLight, NEAR, NO_FAR_LIGHT};
 import package::volume::patch::{NOTHING, UNLIT};
 import package::volume::surface::far_cells;
 import package::voxels::list::Face;
 import package::voxels::morton::morton_decode;
 
-@group(1) @binding(4) var far: texture_storage_2d<rgba32uint, write>;
+@group(1) @binding(6) var<storage, read> direct: array<vec4f>;
+@group(1) @binding(7) var far: texture_storage_2d<rgba32uint, write>;
 
 // The far light of a ray that has met a surface, packed.
 fn brought(index: u32, face: Face, met: u32) -> u32 {
@@ -67,9 +74,15 @@ fn main(
             break if open == 0u;
         }
     }
-    for (var texel = 0u; texel < FAR_TEXELS; texel++) {
+    for (var texel = 0u; texel < rays / 4u; texel++) {
         let i = 4u * texel;
         let words = vec4u(packed[i], packed[i + 1u], packed[i + 2u], packed[i + 3u]);
         textureStore(far, texel_place(FAR_TEXELS * index + texel), words);
     }
+    let reflected = reflected_from_all_around(face);
+    let lights = (direct[index].rgb - face.emission) * PI / max(reflected, vec3f(1e-6));
+    let gathered = irradiance[index];
+    let weight = select(1.0, 0.0, (face.flags & HIDDEN) != 0u || gathered.w == 0.0);
+    let words = pack_face_light(FaceLight(gathered.rgb, lights, reflected, weight));
+    textureStore(far, texel_place(FAR_TEXELS * index + FAR_CELLS / 4u), words);
 }

@@ -100,8 +100,10 @@ impl LightKernels {
             let collect_layout = (0..3)
                 .fold(LayoutBuilder::compute(), |layout, _| layout.uniform())
                 .storage()
-                .storage_texels()
                 .storage_mut()
+                .storage_mut()
+                .storage()
+                .storage_texels()
                 .build(device, "far light");
             let share_layout = LayoutBuilder::compute()
                 .uniform()

@@ -60,6 +60,7 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("SHADOW_MAP", lights::SHADOW_MAP)
         .constant_u32("SHADOW_CONE", lights::SHADOW_CONE)
         .constant_u32(TRACES_SHADOWS, 1)
+        .constant_u32("HAS_INJECTION", 0)
         .constant_u32("HIT_WORDS", HIT_WORDS)
         .constant_u32("FAR_CELLS", faces::FAR_CELLS)
         .constant_u32("FAR_TEXELS", FAR_TEXELS)

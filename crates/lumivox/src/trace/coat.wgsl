@@ -21,6 +21,13 @@ fn coat_of(specular: Specular) -> Coat {
     return Coat(specular.coat, alpha_from_roughness(specular.coat_roughness));
 }
 
+// The alpha of the narrower lobe: of the coat or of the surface below.
+fn narrowest_alpha(specular: Specular) -> f32 {
+    let below = alpha_from_roughness(specular.roughness);
+    let coat = alpha_from_roughness(specular.coat_roughness);
+    return select(below, min(below, coat), specular.coat > 0.0);
+}
+
 fn load_coat(pixel: vec2u) -> Coat {
     return coat_of(load_specular(pixel));
 }

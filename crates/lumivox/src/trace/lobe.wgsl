@@ -15,9 +15,10 @@ struct Lobe {
     is_coat: bool,
     reflectance: vec3f,
     coat: Coat,
-    // The share of light from below that the coat transmits, and the probability of drawing the
-    // coat.
-    below: f32,
+    // The factor of the surface below the coat: the share of its light that the coat transmits, and
+    // the light of further microfacets.
+    below: vec3f,
+    // The probability of drawing the coat.
     coat_share: f32,
 }
 

@@ -3,9 +3,10 @@
 // pixel is listed, to be traced individually (`edges.wgsl`).
 
 import package::trace::around::{traced_around, FITS};
-import package::trace::gbuffer::load_surface;
-import package::trace::reflections::{blended, unpack_reflections};
-import package::trace::screen::{settings, share_in_mean, traced_share};
+import package::trace::coat::narrowest_alpha;
+import package::trace::gbuffer::{load_specular, load_surface};
+import package::trace::reflections::{blended, share_of_reflections, unpack_reflections};
+import package::trace::screen::{settings, traced_share};
 import package::trace::view::view;
 
 @group(1) @binding(1) var guides: texture_2d<u32>;
@@ -34,6 +35,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         return;
     }
     let around = traced_around(pixel, surface, guides);
+    let reflected_share = share_of_reflections(narrowest_alpha(load_specular(pixel)));
     var irradiance = vec4f(0.0);
     var specular = vec4f(0.0);
     var weights = 0.0;
@@ -46,7 +48,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         if settings.shares != 0u {
             let filtered = unpack_reflections(textureLoad(reflections, source, 0));
             irradiance += weight * textureLoad(shared_irradiance, source, 0);
-            specular += weight * blended(filtered, share_in_mean());
+            specular += weight * blended(filtered, reflected_share);
         } else {
             irradiance += weight * textureLoad(irradiance_in, source, 0);
             specular += weight * textureLoad(specular_in, source, 0);

@@ -1,3 +1,19 @@
+// Reflections of surfaces and of traced pixels.
+
+import package::trace::view::view;
+
+// Narrower lobes show the light of points, not of faces: up to a roughness of 0.3.
+const SHARP_ALPHA: f32 = 0.09;
+
+// The light of a surface in a mirror.
+struct Shown {
+    // Its reflected radiance.
+    radiance: vec3f,
+    // The share of the light from the mirrored direction that comes in addition, and its normal.
+    mirrored: vec3f,
+    normal: vec3f,
+}
+
 // The reflection of a traced pixel in two forms (share_reflections.wgsl).
 
 struct Reflections {
@@ -29,6 +45,19 @@ fn unpack_reflections(packed: vec4u) -> Reflections {
         vec3f(unpack2x16float(packed.z), unpack2x16float(packed.w).x),
         blue_and_samples.y,
     );
+}
+
+// Frame number at which reflections of the pixels around have the weight 1/2: for a mirror, and
+// added for each alpha. The wider a lobe, the more of it the pixels around share.
+const SHARED_FRAMES: f32 = 2.0;
+const SHARED_FRAMES_OF_ALPHA: f32 = 80.0;
+// The frame of a mean from which on pixels share no reflections.
+const LAST_SHARED_FRAME: f32 = 64.0;
+
+// The weight of reflections of the pixels around in this frame of a mean.
+fn share_of_reflections(alpha: f32) -> f32 {
+    let frames = SHARED_FRAMES + SHARED_FRAMES_OF_ALPHA * alpha;
+    return frames / (frames + f32(view.frame)) * saturate(1.0 - f32(view.frame) / LAST_SHARED_FRAME);
 }
 
 // The reflection in rgb, the samples in a; `share` is the weight of the mean over pixels around.

@@ -16,10 +16,10 @@
 import package::constants::LARGEST_HALF;
 import package::gpu::random::{hash, random_pair, sequence_pair};
 import package::environment::environment_reflection;
-import package::trace::brdf::{alpha_from_roughness, fresnel_schlick};
+import package::trace::brdf::{alpha_from_roughness, fresnel_schlick, of_all_microfacets};
 import package::trace::coat::{below_coat, coat_fresnel, coat_of, Coat};
-import package::cascades::drawn_level;
-import package::cones::cone::Cone;
+import package::cascades::{drawn_level, finest_level};
+import package::cones::cone::{Cone, START};
 import package::cones::trace_method::{cone_growth, cone_start, trace_cone};
 import package::trace::gbuffer::{load_specular, load_surface};
 import package::trace::glossy::{place_in_tile, reflects, TILE};
@@ -32,6 +32,8 @@ import package::trace::surface::{Specular, Surface};
 import package::trace::screen::{settings, traced_pixel, traced_size, traced_turn, TURNS_APART};
 import package::trace::view::view;
 import package::trace::gather_method::{find_known, known_from};
+import package::trace::hit_method::light_of_hit;
+import package::trace::reflections::{Shown, SHARP_ALPHA};
 import package::volume::far_light::NEAR;
 
 @group(1) @binding(1) var diffuse_samples: texture_2d<f32>;
@@ -123,7 +125,57 @@ fn choose_lobe(gloss: Gloss, turn: u32) -> Lobe {
     let coat_share = select(0.0, coat_weight / (coat_weight + base_weight), coat_weight > 0.0);
     let is_coat = choice < coat_share;
     let alpha = select(alpha_from_roughness(gloss.material.roughness), gloss.coat.alpha, is_coat);
-    return Lobe(gloss.view, alpha, is_coat, gloss.material.reflectance, gloss.coat, below, coat_share);
+    let factor = below * of_all_microfacets(gloss.material.reflectance, gloss.view.z, alpha);
+    return Lobe(gloss.view, alpha, is_coat, gloss.material.reflectance, gloss.coat, factor, coat_share);
+}
+
+// Maximum number of mirrors that show each other.
+const MOST_MIRRORS: u32 = 2u;
+
+// The light along a cone of a lobe.
+struct Met {
+    radiance: vec3f,
+    // The distance of the first surface, in voxels.
+    distance: f32,
+    samples: u32,
+}
+
+fn look(first: Cone, outside_width: f32, alpha: f32) -> Met {
+    var met = Met(vec3f(0.0), 0.0, 0u);
+    var cone = first;
+    var share = vec3f(1.0);
+    // Not a constant number: drivers would unroll the loop.
+    var left = min(MOST_MIRRORS, settings.turns + 1u);
+    var is_first = true;
+    loop {
+        let traced = trace_cone(cone, settings.cones);
+        let place = cone.origin_in_grid + cone.direction * traced.distance;
+        var shown = Shown(traced.radiance, vec3f(0.0), vec3f(0.0));
+        if alpha < SHARP_ALPHA {
+            shown = light_of_hit(traced, place, cone.direction, left > 1u);
+        }
+        let outside = environment_reflection(cone.direction, outside_width, alpha);
+        // A mirror uses a single ray, so negative values do not average out, but no pixel may be
+        // negative.
+        var radiance = max(shown.radiance + traced.transmittance * outside, vec3f(0.0));
+        // Emitters are sampled separately, but not through a second mirror.
+        if !is_first || !has_emitters() {
+            radiance += traced.emission;
+        }
+        met.radiance += share * radiance;
+        met.distance = select(met.distance, traced.distance, is_first);
+        met.samples += traced.samples;
+        share *= shown.mirrored;
+        cone.direction = reflect(cone.direction, shown.normal);
+        cone.level = finest_level(place, cone.level, 0.0);
+        cone.origin_in_grid = place + shown.normal * (START * exp2(f32(cone.level)));
+        is_first = false;
+        left -= 1u;
+        continuing {
+            break if left == 0u || all(share <= vec3f(0.0));
+        }
+    }
+    return met;
 }
 
 // `turn` is the index in the jitter sequence.
@@ -158,24 +210,17 @@ fn trace_turn(gloss: Gloss, turn: u32) -> Reflection {
         surface.position_in_world, surface.geometric_normal, level, settings.cones);
     let growth = cone_growth(tan_half, cos_plane, settings.cones);
     let level_offset = fract(start.x + start.y + 0.754878 * f32(turn & 0xffffu));
-    let traced = trace_cone(Cone(origin, direction, growth, 3e38, level_offset, level), settings.cones);
     // A mirror shows the environment sharply, whatever the width of its cone.
     let outside_width = min(growth, 2.0 * tan_half * settings.cones.voxel_per_diameter);
-    let outside = environment_reflection(direction, outside_width, lobe.alpha);
-    // A mirror uses a single ray, so negative values do not average out, but no pixel may be
-    // negative.
-    var radiance = max(traced.radiance + traced.transmittance * outside, vec3f(0.0));
-
-    samples += f32(traced.samples);
-    if !has_emitters() {
-        radiance += traced.emission;
-    }
+    let met = look(Cone(origin, direction, growth, 3e38, level_offset, level), outside_width, lobe.alpha);
+    samples += f32(met.samples);
+    var radiance = met.radiance;
     // Near surfaces replace the known light in their direction.
     let known = known_from(gloss.cells_from_normal * drawn.direction);
     let its = select(0.0, known_share, known.is_known);
-    let is_near = traced.distance < NEAR * exp2(f32(level));
+    let is_near = met.distance < NEAR * exp2(f32(level));
     radiance = select(radiance * (1.0 - its), radiance - known.radiance * its, is_near);
-    return Reflection(vec4f(reflected + radiance * drawn.weight, samples), traced.distance);
+    return Reflection(vec4f(reflected + radiance * drawn.weight, samples), met.distance);
 }
 
 @compute @workgroup_size(TILE, TILE)

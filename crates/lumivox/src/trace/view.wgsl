@@ -22,6 +22,15 @@ struct CameraView {
 // march cones from here.
 @group(3) @binding(0) var<storage, read> view: CameraView;
 
+// The pixel that a point in the world is projected to; outside of the picture for points behind the
+// camera.
+fn pixel_of(position_in_world: vec3f) -> vec2i {
+    let clip = view.clip_from_world * vec4f(position_in_world, 1.0);
+    let ndc = clip.xy / clip.w;
+    let place = floor(vec2f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * vec2f(view.size));
+    return select(vec2i(-1), vec2i(clamp(place, vec2f(-1.0), vec2f(view.size))), clip.w > 0.0);
+}
+
 // World position of a pixel's center at a depth in clip space.
 fn position_from_depth(pixel: vec2u, depth: f32) -> vec3f {
     return position_at(vec2f(pixel) + 0.5, depth);

@@ -96,7 +96,26 @@ impl Lobes {
         let below = 1.0 - self.coat_fresnel(view.z);
         let diffuse = (1.0 - fresnel) * self.diffuse / PI;
         let coat = self.coat_fresnel(cosine) * facets(self.coat_alpha);
-        (below * (diffuse + fresnel * gloss) + coat) * light.z
+        let all = self.of_all_microfacets(view.z);
+        (below * (diffuse + all * fresnel * gloss) + coat) * light.z
+    }
+
+    /// The factor of the gloss that adds the light of further microfacets: Turquin 2019, equation
+    /// 15, with the polynomial of `trace/brdf.wgsl`.
+    fn of_all_microfacets(&self, cosine: f64) -> f64 {
+        if self.phong_exponent > 0.0 {
+            return 1.0;
+        }
+        let (r, s) = (self.alpha.sqrt(), cosine.sqrt());
+        let rows = [
+            [0.0527, -0.239, -1.255, 1.4782],
+            [-2.0794, 17.0211, -21.7604, 5.5204],
+            [3.7227, -32.5647, 52.1889, -19.0986],
+            [-1.8146, 17.1002, -29.7901, 12.2108],
+        ];
+        let row = |[a, b, c, d]: [f64; 4]| a + s * (b + s * (c + s * d));
+        let lost = rows.iter().rev().fold(0.0, |sum, &of| r * (row(of) + sum)).clamp(0.0, 1.0);
+        1.0 + self.f0 * lost / (1.0 - lost)
     }
 
     /// The density of sampled directions, per steradian.
@@ -155,7 +174,7 @@ impl Lobes {
             };
             mean(cells(400).map(each))
         } else {
-            facets(self.alpha, &|cosine| schlick(self.f0, cosine))
+            self.of_all_microfacets(cosine) * facets(self.alpha, &|cosine| schlick(self.f0, cosine))
         };
         let diffuse = mean(cells(400).map(|(u, turn)| {
             let light = around(DVec3::Z, f64::sqrt(u), turn);
