@@ -15,11 +15,6 @@ fn main() {
             path: "trace::gather_method",
             implementations: &["trace::near_and_far", "trace::by_cones"],
         },
-        // `src/gi/mod.rs`.
-        Slot {
-            path: "trace::albedo_method",
-            implementations: &["trace::gbuffer_albedo", "trace::no_albedo"],
-        },
         Slot {
             path: "trace::hit_method",
             implementations: &["trace::lit_hit", "trace::marched_hit"],

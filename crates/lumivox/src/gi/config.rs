@@ -37,8 +37,9 @@ pub struct GiConfig {
     pub cones: Option<Arc<dyn ConeModel>>,
     /// Reads the caller's G-buffer in its own format: a module that replaces
     /// `package::trace::gbuffer`, with its functions `load_surface`, `load_specular` and
-    /// `load_motion`, and bindings from 1 on of group 3. `None` (the default): the textures of
-    /// [`GBufferViews`](crate::GBufferViews). [`Gi::view`](crate::Gi::view) has an example.
+    /// `load_motion`, and bindings from 1 on of group 3. With `load_albedo`, mirrors show textures.
+    /// `None` (the default): the textures of [`GBufferViews`](crate::GBufferViews).
+    /// [`Gi::view`](crate::Gi::view) has an example.
     pub gbuffer: Option<Mounted>,
     /// Reads the caller's shadow maps in their own format: a module that replaces
     /// `package::light::shadow_map`, with its function `shadow_map_visibility`, and bindings from 8

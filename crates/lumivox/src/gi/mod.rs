@@ -144,18 +144,17 @@ impl Gi {
         if let Some(model) = &config.cones {
             shaders.add("cones::model", model.module());
         }
-        for (path, own) in
-            [("trace::gbuffer", &config.gbuffer), ("light::shadow_map", &config.shadow_maps)]
-        {
-            if let Some(own) = own {
-                shaders.add(path, own.source.clone());
+        if let Some(own) = &config.gbuffer {
+            let mut source = own.source.to_string();
+            if !source.contains("fn load_albedo") {
+                source += "\nfn load_albedo(pixel: vec2u) -> vec4f { return vec4f(0.0); }\n";
             }
+            shaders.add("trace::gbuffer", source);
         }
-        let albedo =
-            if config.gbuffer.is_some() { "trace::no_albedo" } else { "trace::gbuffer_albedo" };
-        shaders
-            .fill(crate::gpu::implementation(albedo))
-            .constant_u32("HAS_INJECTION", u32::from(config.injection.is_some()));
+        if let Some(own) = &config.shadow_maps {
+            shaders.add("light::shadow_map", own.source.clone());
+        }
+        shaders.constant_u32("HAS_INJECTION", u32::from(config.injection.is_some()));
         if config.grid.cascades.is_some() {
             refuse_with_cascades("voxelizer", config.voxelizer.is_some())?;
             refuse_with_cascades("injection", config.injection.is_some())?;

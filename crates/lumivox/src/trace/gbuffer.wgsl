@@ -1,7 +1,8 @@
 // The G-buffer: group 3 of every pass over the screen; its binding 0 is the camera.
 //
 // A caller's own module (`GiConfig::gbuffer`) can replace it as `package::trace::gbuffer`, with its
-// own bindings from 1 on and the same three functions: load_surface, load_specular, load_motion.
+// own bindings from 1 on and the functions load_surface, load_specular, load_motion and, if it
+// knows albedos, load_albedo.
 
 import package::constants::AS_THE_CAMERA;
 import package::trace::surface::{octahedral_decode, Specular, Surface};
@@ -42,6 +43,11 @@ fn load_specular(pixel: vec2u) -> Specular {
         1.0 - textureLoad(gbuffer_diffuse, pixel, 0).a,
         textureLoad(gbuffer_emission, pixel, 0).a,
     );
+}
+
+// The diffuse albedo of the pixel's surface in rgb; a is above 0 if it is known.
+fn load_albedo(pixel: vec2u) -> vec4f {
+    return vec4f(textureLoad(gbuffer_diffuse, pixel, 0).rgb, 1.0);
 }
 
 // The position of the pixel's surface in the picture minus its position in the previous frame: as a

@@ -9,9 +9,8 @@ import package::constants::{FAR_CELLS, HAS_INJECTION, PI, SHADOW_CONE, SHADOW_MA
 import package::grid::{grid, world_from_grid};
 import package::light::lights::{incident_light, light_globals, lights};
 import package::light::shadow_map::shadow_map_visibility;
-import package::trace::albedo_method::{load_albedo, KNOWS_ALBEDO};
 import package::trace::brdf::{alpha_from_roughness, fresnel_schlick};
-import package::trace::gbuffer::{load_specular, load_surface};
+import package::trace::gbuffer::{load_albedo, load_specular, load_surface};
 import package::trace::reflections::{Shown, SHARP_ALPHA};
 import package::trace::view::{pixel_of, view};
 import package::volume::beside::patch_of;
@@ -72,11 +71,9 @@ fn on_screen(position_in_world: vec3f, direction: vec3f, face: Point, may_mirror
     let is_mirror = may_mirror && alpha_from_roughness(gloss.roughness) < SHARP_ALPHA
         && cosine > 0.0 && dot(next, surface.geometric_normal) > 0.0;
     let mirrored = select(vec3f(0.0), fresnel_schlick(gloss.reflectance, cosine), is_mirror);
-    var reflected = face.reflected;
-    if KNOWS_ALBEDO {
-        // Other metals reflect as if they were matt.
-        reflected = mix(load_albedo(vec2u(pixel)), vec3f(1.0), gloss.reflectance);
-    }
+    let albedo = load_albedo(vec2u(pixel));
+    // Other metals reflect as if they were matt.
+    let reflected = select(face.reflected, mix(albedo.rgb, vec3f(1.0), gloss.reflectance), albedo.a > 0.0);
     return Point(surface.shading_normal, max(reflected - mirrored, vec3f(0.0)), mirrored);
 }
 

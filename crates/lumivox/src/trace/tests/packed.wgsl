@@ -24,6 +24,11 @@ fn load_specular(pixel: vec2u) -> Specular {
     return Specular(vec3f(specular.x), specular.y, 1.0 - coat.x, coat.y);
 }
 
+// All surfaces have the same albedo.
+fn load_albedo(pixel: vec2u) -> vec4f {
+    return vec4f(vec3f(0.5), 1.0);
+}
+
 fn load_motion(pixel: vec2u, position_in_world: vec3f) -> vec2f {
     return camera_motion(pixel, position_in_world);
 }
