@@ -42,7 +42,7 @@ const STOPS = new Map([["glow", -5.4], ["cornell-area", -1.65]]);
 
 test("built-in scenes agree with the native picture", async (t) => {
     const names = (await known("builtinScenes")).map(({ name }) => name);
-    assert.equal(names.length, 18);
+    assert.equal(names.length, 20);
     // A lamp; sun, sky and textures; emissive surfaces; mirrors and rough surfaces.
     const shown = ["cornell", "atrium", "glow", "spheres"];
     // Scenes of a kilometre have millions of triangles and take minutes here; by hand they agree as
