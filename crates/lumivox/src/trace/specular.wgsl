@@ -140,6 +140,7 @@ struct Met {
     samples: u32,
 }
 
+// Follows a cone, and further cones from the mirrors that it meets.
 fn look(first: Cone, outside_width: f32, alpha: f32) -> Met {
     var met = Met(vec3f(0.0), 0.0, 0u);
     var cone = first;
