@@ -21,8 +21,8 @@ fn metal(roughness: f32) -> Material {
     }
 }
 
-/// The share of pixels in the mirror whose light differs by more than a tenth from that of the
-/// pixels in `behind`, a picture of the same surfaces without the mirror.
+/// The share of pixels in the mirror whose light differs by more than 3 % from that of the pixels
+/// in `behind`, a picture of the same surfaces without the mirror.
 fn unlike(mirror: &Picture, albedo: &Picture, behind: &Picture) -> f64 {
     let UVec2 { x: width, y: height } = mirror.size;
     let (mut all, mut unlike) = (0_u32, 0_u32);
@@ -33,7 +33,7 @@ fn unlike(mirror: &Picture, albedo: &Picture, behind: &Picture) -> f64 {
         if is_mirror && behind.hdr[there][3] >= 1.0 {
             let is_like = |channel: usize| {
                 let [ours, its] = [mirror.hdr[here][channel], behind.hdr[there][channel]];
-                (ours - its).abs() <= 0.1 * its
+                (ours - its).abs() <= 0.03 * its
             };
             all += 1;
             unlike += u32::from(!(0..3).all(is_like));
@@ -43,8 +43,8 @@ fn unlike(mirror: &Picture, albedo: &Picture, behind: &Picture) -> f64 {
     f64::from(unlike) / f64::from(all)
 }
 
-/// A mirror as the back wall of the Cornell box shows what a camera behind the wall would see. Most
-/// of the rest are edges.
+/// A mirror as the back wall of the Cornell box shows what a camera behind the wall would see. On
+/// llvmpipe 11 % of the pixels differ, most of them at edges; 55 % if mirrors show whole faces.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_mirror_shows_what_a_camera_behind_it_sees() {
@@ -79,7 +79,7 @@ fn a_mirror_shows_what_a_camera_behind_it_sees() {
     let [mirror, albedo] = [View::Final, View::Albedo].map(|view| show(&front, view));
     let share = unlike(&mirror, &albedo, &show(&behind, View::Final));
     println!("{:.1} % of the mirror is unlike", 100.0 * share);
-    assert!(share < 0.1, "{share}");
+    assert!(share < 0.2, "{share}");
 }
 
 /// Rough metals lose no light between their microfacets: a white ball in even light is not seen.
