@@ -269,17 +269,15 @@ fn mean_texel(reference: Option<TextureRef>, scene: &Scene) -> [f32; 4] {
     sums.map(|sum| (sum as f64 / count.max(1) as f64) as f32)
 }
 
-/// The share of uniform light that a material transmits: without the part reflected at the surface
-/// (the hemisphere's mean of Schlick's term is F0 + (1 - F0) / 21) and without the metallic part. A
-/// texture of metalness is averaged.
+/// The share of light at normal incidence that a material transmits: without the part reflected at
+/// the surface, and without the metallic part. A texture of metalness is averaged.
 fn mean_transmission(material: &Material, record: &MaterialRecord, scene: &Scene) -> f32 {
     if record.transmission <= 0.0 {
         return 0.0;
     }
     let [_, _, metalness, _] = mean_texel(textures(material)[1], scene);
-    let f0 = mean_f0(material, record);
-    let reflected = f0 + (1.0 - f0) / 21.0;
-    record.transmission * (1.0 - record.metallic * metalness) * (1.0 - reflected)
+    let entering = 1.0 - mean_f0(material, record);
+    record.transmission * (1.0 - record.metallic * metalness) * entering
 }
 
 /// Whether a material's base colour may be other than grey.

@@ -14,7 +14,9 @@ import package::cascades::{
 import package::constants::CASCADES;
 import package::cones::side::face_seen_at;
 import package::gpu::random::hash;
-import package::volume::patch::{unpack_patch, unpack_radiance, BLACK, NOTHING, UNLIT};
+import package::volume::patch::{
+    unpack_patch, unpack_radiance, Patch, BLACK, NOTHING, UNLIT,
+};
 import package::volume::surface::{index_texel, patch_texel};
 import package::voxels::covered::{across, is_covered};
 import package::voxels::index::{first_entry, FACE_BITS};
@@ -48,10 +50,21 @@ struct Hit {
     struck: u32,
 }
 
-// Whether a ray passes through a face with holes, drawn at random: the share of holes passes.
-fn passes(direction: vec3f, face: u32, holes: u32) -> bool {
+// Whether a ray passes through a surface with holes, drawn at random: the share of holes passes.
+fn passes(direction: vec3f, surface: u32, share: f32) -> bool {
     let bits = bitcast<vec3u>(direction);
-    return (hash(bits.x + hash(bits.y + hash(bits.z + hash(face)))) >> 16u) * 255u < holes << 16u;
+    let drawn = hash(bits.x + hash(bits.y + hash(bits.z + hash(surface)))) >> 8u;
+    return f32(drawn) < share * 16777216.0;
+}
+
+// The share of light that passes through a face. That of glass is stored without the increase of
+// its reflection towards grazing angles (Schlick 1994, "An inexpensive BRDF model for
+// physically-based rendering").
+fn passing_share(plane: Patch, cosine: f32) -> f32 {
+    let share = f32(plane.holes) / 255.0;
+    let rest = 1.0 - min(abs(cosine) * inverseSqrt(dot(plane.normal, plane.normal)), 1.0);
+    let rest_squared = rest * rest;
+    return share * select(1.0, 1.0 - rest_squared * rest_squared * rest, plane.is_glass);
 }
 
 // Intersects the faces of a voxel, which has its corner at the origin and an edge of 1, up to a
@@ -72,19 +85,22 @@ fn hit_faces(
         let cosine = dot(plane.normal, direction);
         let distance = (plane.offset - dot(plane.normal, origin)) / select(cosine, 1e-9, abs(cosine) < 1e-9);
         let is_back = cosine > 0.0;
-        let blocks = plane.is_single_sided && plane.holes == 0u && distance >= own;
+        let blocks = plane.is_single_sided && (plane.holes == 0u || plane.is_thin) && distance >= own;
         let is_met = distance > 0.0 && distance < hit.distance && (!is_back || blocks);
         let point = origin + direction * distance;
         let at = across(point, plane.lobe >> 1u);
         if is_met && is_covered(at, texel.zw, patch_texel(face, 1u)) {
+            // A ray that passes the front of a bar also passes its back.
+            let surface = select(face, first ^ (plane.lobe >> 1u << 29u), plane.is_thin);
+            let share = passing_share(plane, cosine);
             let is_solid = plane.holes == 0u
-                || ((*passed).draws && !passes(direction, face, plane.holes));
+                || ((*passed).draws && !passes(direction, surface, share));
             if is_solid {
                 let struck = select(face, BLACK, is_back);
                 hit = Hit(distance, struck, plane.is_parted && !is_back, struck);
-            } else if all(point >= vec3f(0.0)) && all(point < vec3f(1.0)) {
+            } else if !is_back && all(point >= vec3f(0.0)) && all(point < vec3f(1.0)) {
                 // A hole outside of this voxel counts in the next one.
-                (*passed).share *= f32(plane.holes) / 255.0;
+                (*passed).share *= share;
             }
         }
     }

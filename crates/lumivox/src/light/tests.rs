@@ -380,20 +380,18 @@ fn no_sky_shines_in_at_the_edges_of_a_room() {
     }
 }
 
-/// A black box with a white floor under a sky, closed by a cover; the mean radiance of the floor,
-/// lit by the sky and by a lamp outside whose shadow is a cone.
-fn light_below(cover: Option<crate::SurfaceMaterial>) -> [f32; 2] {
+/// A black box with a white floor under a sky, below a cover 0.42 m above the floor; the mean
+/// radiance of the floor, lit by the sky and by a lamp outside whose shadow is a cone.
+fn light_below(cover: impl FnOnce(SceneBuilder) -> SceneBuilder) -> [f32; 2] {
     let black = lambert(0.0, 0.0);
     let (x, y, z) = (Vec3::X, Vec3::Y * 0.6, Vec3::Z);
-    let mut scene = SceneBuilder::default()
+    let scene = SceneBuilder::default()
         .quad(Vec3::ZERO, z, x, lambert(0.5, 0.0))
         .quad(Vec3::ZERO, y, z, black.clone())
         .quad(x, z, y, black.clone())
         .quad(Vec3::ZERO, x, y, black.clone())
         .quad(z, y, x, black);
-    if let Some(cover) = cover {
-        scene = scene.quad(Vec3::Y * 0.42, x, z, cover);
-    }
+    let scene = cover(scene);
     let bounds = (Vec3::ZERO, Vec3::new(1.0, 0.6, 1.0));
     let mut bench = Bench::new(bounds, 32, Vec3::new(0.3, 0.5, 0.7), scene);
     let lamp = candle(Vec3::new(0.45, 0.9, 0.55), Shadow::Cone);
@@ -416,7 +414,7 @@ fn a_cover_lets_light_through_in_proportion() {
         double_sided,
         ..crate::SurfaceMaterial::default()
     };
-    let open = light_below(None);
+    let open = light_below(|scene| scene);
     for (alpha, transmission, double_sided) in [
         (0.25, 0.0, false),
         (0.5, 0.0, false),
@@ -425,7 +423,8 @@ fn a_cover_lets_light_through_in_proportion() {
         (0.2, 0.0, true),
         (1.0, 0.9, false),
     ] {
-        let passed = light_below(Some(cover(alpha, transmission, double_sided)));
+        let material = cover(alpha, transmission, double_sided);
+        let passed = light_below(|scene| scene.quad(Vec3::Y * 0.42, Vec3::X, Vec3::Z, material));
         let expected = alpha * (1.0 - transmission * transmission);
         let [sky, lamp] = [0, 1].map(|i| 1.0 - passed[i] / open[i]);
         println!(
@@ -435,6 +434,33 @@ fn a_cover_lets_light_through_in_proportion() {
         // A ray passes or not; the lamp's 1000 faces have one each, for a deviation of 0.016.
         assert!((sky - expected).abs() < 0.04, "of the sky's light {sky}, not {expected}");
         assert!((lamp - expected).abs() < 0.04, "of the lamp's light {lamp}, not {expected}");
+    }
+}
+
+/// Squares of a quarter of a voxel's edge, four in each voxel, block the light of their area: as
+/// sheets, and as slabs with a front and a back. The bits of their cover would block twice as much.
+#[test]
+#[ignore = "slow: over three seconds"]
+fn a_lattice_finer_than_voxels_blocks_its_area() {
+    const STEP: f32 = 1.0 / 64.0;
+    let lattice = |scene: SceneBuilder, y: f32, u: Vec3, v: Vec3, double_sided| {
+        let material = crate::SurfaceMaterial { double_sided, ..lambert(0.0, 0.0) };
+        (0..64 * 64).fold(scene, |scene, i| {
+            let corner = Vec3::new((i % 64) as f32 * STEP, y, (i / 64) as f32 * STEP);
+            scene.quad(corner, 0.5 * STEP * u, 0.5 * STEP * v, material.clone())
+        })
+    };
+    let open = light_below(|scene| scene);
+    let sheets = light_below(|scene| lattice(scene, 0.42, Vec3::X, Vec3::Z, true));
+    let slabs = light_below(|scene| {
+        let below = lattice(scene, 0.4199, Vec3::X, Vec3::Z, false);
+        lattice(below, 0.4201, Vec3::Z, Vec3::X, false)
+    });
+    for (name, passed) in [("sheets", sheets), ("slabs", slabs)] {
+        let [sky, lamp] = [0, 1].map(|i| 1.0 - passed[i] / open[i]);
+        println!("{name}: of the sky {sky:.4}, of the lamp {lamp:.4} are blocked, of 0.25");
+        assert!((sky - 0.25).abs() < 0.05, "{name} block {sky} of the sky's light, not 0.25");
+        assert!((lamp - 0.25).abs() < 0.05, "{name} block {lamp} of the lamp's light, not 0.25");
     }
 }
 

@@ -1,7 +1,7 @@
 // A face for rays, in PATCH_TEXELS texels: the plane and the mask of its surface; the mask's
 // profiles; and its reflected radiance with properties, and its emission.
 
-import package::constants::{HOLES, LARGEST_HALF, PARTED, SINGLE_SIDED};
+import package::constants::{GLASS, HOLES, LARGEST_HALF, PARTED, SINGLE_SIDED, THIN};
 
 struct Patch {
     // The plane, in the voxel's coordinates: dot(normal, p) = offset. The normal has any length.
@@ -9,9 +9,12 @@ struct Patch {
     offset: f32,
     lobe: u32,
     is_single_sided: bool,
-    // The share of light that passes through, times 255.
+    // The share of light that passes through, times 255; of glass, at normal incidence.
     holes: u32,
     is_parted: bool,
+    // Whether surface finer than the cover's bits makes up the share that is blocked.
+    is_thin: bool,
+    is_glass: bool,
 }
 
 // Placeholders for a face's light: no surface, a single-sided surface from behind, or a surface
@@ -57,6 +60,8 @@ fn pack_light(radiance: vec3f, lobe: u32, flags: u32) -> vec2u {
     let look = lobe
         | select(0u, 8u, (flags & SINGLE_SIDED) != 0u)
         | select(0u, 0x1000u, (flags & PARTED) != 0u)
+        | select(0u, 0x2000u, (flags & THIN) != 0u)
+        | select(0u, 0x4000u, (flags & GLASS) != 0u)
         | (extractBits(flags, HOLES, 8u) << 4u);
     return vec2u(pack2x16float(stored.rg), pack2x16float(vec2f(stored.b, 0.0)) | (look << 16u));
 }
@@ -79,6 +84,8 @@ fn unpack_patch(plane: vec2u, light: vec2u) -> Patch {
         (look & 8u) != 0u,
         (look >> 4u) & 0xffu,
         (look & 0x1000u) != 0u,
+        (look & 0x2000u) != 0u,
+        (look & 0x4000u) != 0u,
     );
 }
 

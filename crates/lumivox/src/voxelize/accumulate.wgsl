@@ -5,7 +5,7 @@
 import package::constants::{
     DOUBLE_SIDED, FACE_CELL, FACE_EMISSION, FACE_FLAGS, FACE_GLOSS, FACE_LOBE, FACE_MASK_HIGH,
     FACE_MASK_LOW, FACE_POSITION, FACE_PROFILES, FACE_REFLECTANCE, FACE_VECTOR_AREA, FACE_WORDS,
-    LINEAR_WORKGROUP_SIZE, OPEN_BEHIND, SINGLE_SIDED,
+    GLASS, LINEAR_WORKGROUP_SIZE, OPEN_BEHIND, SINGLE_SIDED,
 };
 import package::gpu::random::hash;
 import package::voxelize::cover::{Cover, cover_of};
@@ -69,7 +69,7 @@ struct WeightedPiece {
     gloss: vec3f,
     // The area along the lobe that light passes through.
     holes: f32,
-    // SINGLE_SIDED if light does not pass from behind, else 0.
+    // SINGLE_SIDED if light does not pass from behind; GLASS if it passes by transmission.
     flags: u32,
 }
 
@@ -200,7 +200,8 @@ fn add_piece(
             surface.emission * area,
             draws[(*walk).draw].gloss * area,
             piece.area - area,
-            select(0u, SINGLE_SIDED, summing.sides == 1u && detail != PIERCED && !is_open),
+            select(0u, SINGLE_SIDED, summing.sides == 1u && detail != PIERCED && !is_open)
+                | select(0u, GLASS, detail == PIERCED && draws[(*walk).draw].transmission > 0.0),
         );
         add_to_faces(weighted, summing.lobe, summing.sides, hash(summing.seed + code));
     }

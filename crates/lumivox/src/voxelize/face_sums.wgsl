@@ -1,10 +1,11 @@
 // Converts the sums of a face to its means.
 
 import package::cascades::grid_from_stored;
-import package::constants::HOLES;
+import package::constants::{HOLES, THIN};
 import package::grid::world_from_grid;
 import package::voxelize::footprint::turn_back;
 import package::voxelize::plane_keys::plane_of;
+import package::voxels::covered::is_covered;
 import package::voxels::list::{LARGEST_REFLECTANCE, lobe_axis, lobe_sign};
 import package::voxels::morton::morton_decode;
 
@@ -65,11 +66,60 @@ fn means_of(slot: FaceSlot, scale: f32, lobe: u32) -> FaceMeans {
     );
 }
 
-// The share of a face's covered area that light passes through, as a byte.
-fn holes_of(slot: FaceSlot, lobe: u32) -> u32 {
+// Samples along each side of the voxel: every second bit of a profile.
+const COVER_SAMPLES = 16u;
+
+// Whether set bits are one run.
+fn is_run(bits: vec4u) -> vec4<bool> {
+    return countOneBits(bits & ~(bits << vec4u(1u))) <= vec4u(1u);
+}
+
+// What the bits of a face cover.
+struct Covered {
+    // As a share of the voxel's side.
+    area: f32,
+    // Whether one convex piece may have set the bits.
+    is_convex: bool,
+}
+
+fn covered_by(slot: FaceSlot) -> Covered {
+    let mask = vec2u(slot.mask_low, slot.mask_high);
+    var covered = 0u;
+    var convex = 0u;
+    for (var i = 0u; i < COVER_SAMPLES * COVER_SAMPLES; i++) {
+        let at = (vec2f(vec2u(i % COVER_SAMPLES, i / COVER_SAMPLES)) + 0.5) / f32(COVER_SAMPLES);
+        covered += u32(is_covered(at, mask, slot.profiles));
+        convex += u32(is_covered(at, vec2u(0xffffffffu), slot.profiles));
+    }
+    let is_convex = covered == convex && all(is_run(slot.profiles));
+    return Covered(f32(covered) / f32(COVER_SAMPLES * COVER_SAMPLES), is_convex);
+}
+
+// The area by which bits may exceed the surface: one bit of a profile, along a side. The bits of
+// convex pieces, such as the ends of walls, may exceed more, but where they meet other walls.
+const MOST_EXCESS = 1.0 / 32.0;
+
+// Light that passes through a face's covered area.
+struct Passing {
+    // The share, as a byte.
+    holes: u32,
+    // THIN if bars, leaves or wires are finer than the face's bits, else 0.
+    flag: u32,
+}
+
+fn passing_of(slot: FaceSlot, scale: f32, lobe: u32) -> Passing {
     let solid = f32(slot.vector_area[lobe_axis(lobe)]) * lobe_sign(lobe);
-    let holes = f32(bitcast<i32>(slot.cell));
-    return u32(255.0 * max(holes, 0.0) / max(solid + holes, 1.0) + 0.5);
+    let holes = max(f32(bitcast<i32>(slot.cell)), 0.0);
+    let surface = max(solid + holes, 1.0);
+    let area = surface / scale;
+    let most = f32(countOneBits(slot.mask_low) + countOneBits(slot.mask_high)) / 64.0;
+    var covered = Covered(area, true);
+    if most > area + MOST_EXCESS {
+        covered = covered_by(slot);
+    }
+    let is_thin = covered.area > area + MOST_EXCESS && !covered.is_convex;
+    let blocked = solid / surface * select(1.0, area / covered.area, is_thin);
+    return Passing(u32(255.0 * (1.0 - clamp(blocked, 0.0, 1.0)) + 0.5), select(0u, THIN, is_thin));
 }
 
 // Whether a vector area has a part off its lobe's axis that survives rounding to 8 bits.
@@ -84,6 +134,7 @@ fn is_tilted(vector_area: vec3f, lobe: u32) -> bool {
 // materials' emission.
 fn face_of(sums: FaceSlot, scale: f32, cell: u32, lobe: u32, emission_scale: f32) -> FaceSlot {
     let means = means_of(sums, scale, lobe);
+    let passing = passing_of(sums, scale, lobe);
     let position = grid_from_stored(morton_decode(cell), means.position_in_voxel);
     return FaceSlot(
         bitcast<vec3i>(world_from_grid(position)),
@@ -91,7 +142,7 @@ fn face_of(sums: FaceSlot, scale: f32, cell: u32, lobe: u32, emission_scale: f32
         bitcast<vec3i>(means.vector_area),
         lobe,
         bitcast<vec3i>(means.reflectance),
-        sums.flags | (holes_of(sums, lobe) << HOLES),
+        sums.flags | passing.flag | (passing.holes << HOLES),
         bitcast<vec3i>(means.emission * emission_scale),
         sums.mask_low,
         bitcast<vec3i>(means.gloss),
