@@ -194,14 +194,14 @@ TEXT
 # heading_of TITLE: GitHub's anchor for this heading.
 heading_of() { tr '[:upper:] ' '[:lower:]-' <<<"$1" | tr -cd 'a-z0-9-'; }
 
-# Prints the README with the pictures between its two marks: two animations, then four in a row.
+# Prints the README with the pictures between its two marks: two animations, then three in a row.
 print_readme() {
     local i width end rows='' stills=0
     for i in "${!names[@]}"; do
-        width=24% end=' '
+        width=32% end=' '
         if [[ -n ${paces[i]} ]]; then width=49%; else stills=$((stills + 1)); fi
         # Each row is one line of the file.
-        if ((i == 1 || stills == 4)); then end=$'\n'; fi
+        if ((i == 1 || (stills > 0 && stills % 3 == 0))); then end=$'\n'; fi
         printf -v rows '%s<a href="docs/generated/gallery.md#%s"><img src="docs/generated/images/gallery/%s.webp" width="%s" alt="%s"></a>%s' \
             "$rows" "$(heading_of "${titles[i]}")" "${names[i]}" "$width" "${titles[i]}" "$end"
     done
