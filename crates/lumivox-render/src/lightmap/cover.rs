@@ -29,11 +29,18 @@ pub(super) struct Texel {
     distance: f32,
     /// Whether the centre is clearly inside.
     is_inside: bool,
+    /// Whether it is clearly inside another triangle of the node, too.
+    is_common: bool,
 }
 
 impl Texel {
-    const EMPTY: Self =
-        Self { triangle: NONE, weights: Vec2::ZERO, distance: f32::INFINITY, is_inside: false };
+    const EMPTY: Self = Self {
+        triangle: NONE,
+        weights: Vec2::ZERO,
+        distance: f32::INFINITY,
+        is_inside: false,
+        is_common: false,
+    };
 
     pub(super) fn is_covered(&self) -> bool {
         self.triangle != NONE
@@ -57,7 +64,6 @@ pub(super) fn cover(
     edge: u32,
 ) -> Result<Vec<Texel>, LightmapError> {
     let mut texels = vec![Texel::EMPTY; edge as usize * edge as usize];
-    let mut overlaps = vec![(0_usize, UVec2::ZERO); nodes.len()];
     for (number, triangle) in triangles.iter().enumerate() {
         let Some(flat) = Flat::of(triangle.uvs) else { continue };
         for at in flat.texels(edge) {
@@ -65,25 +71,27 @@ pub(super) fn cover(
             let Some(new) = flat.nearest(at.as_vec2() + 0.5) else { continue };
             if new.is_inside && texel.is_inside {
                 let other = &triangles[texel.triangle as usize];
-                let overlap = &mut overlaps[triangle.node as usize];
-                if other.node == triangle.node
-                    && !same(triangle, new.weights(), other, texel.weights())
-                {
-                    if overlap.0 == 0 {
-                        overlap.1 = at;
-                    }
-                    overlap.0 += 1;
-                }
+                texel.is_common |= other.node == triangle.node
+                    && !same(triangle, new.weights(), other, texel.weights());
             } else if new.distance < texel.distance {
                 *texel = Texel { triangle: number as u32, ..new };
             }
         }
     }
-    let mut covered = vec![0_usize; nodes.len()];
-    for node in texels.iter().filter_map(|texel| texel.node(triangles)) {
-        covered[node as usize] += 1;
+    // Of each node: texels, common ones, and the first of these.
+    let mut counts = vec![(0_usize, 0_usize, UVec2::ZERO); nodes.len()];
+    for (index, texel) in texels.iter().enumerate() {
+        let Some(node) = texel.node(triangles) else { continue };
+        let (covered, overlapping, first) = &mut counts[node as usize];
+        *covered += 1;
+        if texel.is_common {
+            if *overlapping == 0 {
+                *first = UVec2::new(index as u32 % edge, index as u32 / edge);
+            }
+            *overlapping += 1;
+        }
     }
-    for ((node, (overlapping, at)), covered) in nodes.iter().zip(overlaps).zip(covered) {
+    for (node, (covered, overlapping, at)) in nodes.iter().zip(counts) {
         if overlapping as f64 > TOLERATED * covered as f64 {
             let corner = Vec2::from(node.corner.map(|texels| texels as f32));
             return Err(LightmapError::Overlap {
@@ -206,6 +214,6 @@ impl Flat {
         let third = (b - a).perp_dot(point - a) / self.area;
         let weights = Vec2::new(second, third);
         let weights = if self.is_turned { weights.yx() } else { weights };
-        Texel { triangle: NONE, weights, distance, is_inside }
+        Texel { weights, distance, is_inside, ..Texel::EMPTY }
     }
 }

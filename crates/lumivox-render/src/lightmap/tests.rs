@@ -169,7 +169,7 @@ fn unsuitable_coordinates_are_refused_with_a_remedy() {
                 mesh.uvs1.extend_from_within(..);
                 mesh.indices.extend([4, 5, 6, 4, 6, 7]);
             }),
-            ["node \"floor\"", "u = 0.9", "without overlaps"],
+            ["node \"floor\"", "u = 0.0", "without overlaps"],
         ),
     ] {
         let error = LightmapPlan::new(&scene, 1, Resolution::Texels(64)).err().unwrap().to_string();
