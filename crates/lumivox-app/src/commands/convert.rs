@@ -1,7 +1,7 @@
 //! `lumivox convert`: writes a scene as one GLB file.
 
+use lumivox_console::Failure;
 use lumivox_console::report::{SceneCounts, bytes, counted};
-use lumivox_console::{Failure, LoadArgs};
 use serde::Serialize;
 
 use crate::args::output;
@@ -19,9 +19,7 @@ pub fn run(args: &ConvertArgs, host: &Host) -> anyhow::Result<()> {
     output::check_kind(&args.output, "glb", "scenes are written as GLB")?;
     scene::check(&args.scene.scene)?;
     let progress = ProgressDisplay::start(host, "loading");
-    // Lightmaps need the second set, even if no texture does.
-    let load = LoadArgs { second_uvs: true, ..args.scene.load.clone() };
-    let mut scene = scene::load(&args.scene.scene, &load, &progress)?;
+    let mut scene = args.scene.load(&progress)?;
     if args.time.is_some() || args.animation.is_some() {
         let Some(animation) = choose(args.animation.as_ref(), &scene)? else {
             return Err(Failure::input(format!(

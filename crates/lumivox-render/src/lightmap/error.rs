@@ -6,7 +6,7 @@
 pub enum LightmapError {
     /// Nothing in the scene can be baked.
     #[error(
-        "no static visible surface can have a lightmap; animated things cannot, pose and save them first"
+        "nothing in the scene is static and visible, so there is no lightmap: export it without animations"
     )]
     Nothing,
     /// A mesh has no texture coordinates in the set.

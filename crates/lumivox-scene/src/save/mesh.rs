@@ -72,7 +72,7 @@ impl<'a> Writer<'a> {
         if textured || mesh.uvs.iter().any(|&uv| is_not_zero(uv)) {
             add("TEXCOORD_0", "VEC2", Source::Vec2(&mesh.uvs), Value::Null);
         }
-        if !mesh.uvs1.is_empty() || textures.iter().any(|reference| reference.uv_set == 1) {
+        if textures.iter().any(|reference| reference.uv_set == 1) {
             // If the second set is missing, the first is used instead.
             let uvs = if mesh.uvs1.is_empty() { &mesh.uvs } else { &mesh.uvs1 };
             add("TEXCOORD_1", "VEC2", Source::Vec2(uvs), Value::Null);
