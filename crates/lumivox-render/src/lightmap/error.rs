@@ -6,7 +6,7 @@
 pub enum LightmapError {
     /// Nothing in the scene can be baked.
     #[error(
-        "nothing in the scene is static and visible, so there is no lightmap: export it without animations"
+        "nothing in the scene is static and visible, but only that is baked; export it without animations"
     )]
     Nothing,
     /// A mesh has no texture coordinates in the set.
