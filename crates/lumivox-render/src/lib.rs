@@ -25,6 +25,7 @@
 //! | `measure.rs` | the grid of a workplane, and statistics of light readings |
 //! | `reference/` | the path tracer that provides ground truth |
 //! | `irradiance_volume/` | light at a grid of probes, as a file for other renderers |
+//! | `lightmap/` | light on surfaces, as an image for other renderers |
 //! | `compare/` | the error of a picture against the reference |
 
 // Tests compare floats that must be bit-identical.
@@ -33,7 +34,9 @@
 pub mod compare;
 mod error;
 mod gpu;
+mod half_texture;
 pub mod irradiance_volume;
+pub mod lightmap;
 pub mod look;
 pub mod measure;
 mod passes;

@@ -187,7 +187,7 @@ pub enum Command {
     /// Measure light: lux at points or on a workplane, cd/m2 along rays or in a picture
     #[command(after_help = measure::EXAMPLES, mut_arg("surroundings", measure::of_measurements))]
     Measure(Box<MeasureArgs>),
-    /// Bake the indirect light at a grid of probes into a file: an irradiance volume of Bevy
+    /// Bake light into a file: an irradiance volume of Bevy, or a lightmap
     #[command(after_help = bake::EXAMPLES, mut_arg("surroundings", measure::of_measurements))]
     Bake(Box<BakeArgs>),
     /// Run commands that show and change a scene and save pictures of it: a script, or a prompt

@@ -72,6 +72,92 @@ fn probe_sides_facing_a_red_wall_are_red() {
     assert!(towards_red > 2.0 * towards_green, "{towards_red}, {towards_green}");
 }
 
+/// A floor of two metres with a second UV set, as glTF: `left` of the map's width is free.
+fn floor(left: f32) -> String {
+    let corners = [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]];
+    let uvs = [[left, 1.0], [1.0, 1.0], [1.0, 0.0], [left, 0.0]];
+    let mut bytes: Vec<u8> =
+        corners.iter().flatten().flat_map(|number: &f32| number.to_le_bytes()).collect();
+    bytes.extend([0.0_f32, 1.0, 0.0].repeat(4).iter().flat_map(|number| number.to_le_bytes()));
+    bytes.extend(uvs.iter().flatten().flat_map(|number| number.to_le_bytes()));
+    bytes.extend([0_u16, 1, 2, 0, 2, 3].iter().flat_map(|index| index.to_le_bytes()));
+    let numbers: Vec<String> = bytes.iter().map(|byte| format!("%{byte:02x}")).collect();
+    let vectors = |view: u32, kind: &str, count: u32| {
+        serde_json::json!({
+            "bufferView": view, "componentType": if view == 3 { 5123 } else { 5126 }, "type": kind,
+            "count": count, "min": [-1, 0, -1], "max": [1, 0, 1],
+        })
+    };
+    let view = |at: u32, length: u32| serde_json::json!({ "buffer": 0, "byteOffset": at, "byteLength": length });
+    let mut indices = vectors(3, "SCALAR", 6);
+    let mut uvs = vectors(2, "VEC2", 4);
+    for accessor in [&mut indices, &mut uvs] {
+        accessor.as_object_mut().unwrap().retain(|key, _| key != "min" && key != "max");
+    }
+    serde_json::json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "name": "ground", "mesh": 0 }],
+        "meshes": [{ "name": "floor", "primitives": [{
+            "attributes": { "POSITION": 0, "NORMAL": 1, "TEXCOORD_1": 2 }, "indices": 3,
+        }] }],
+        "accessors": [vectors(0, "VEC3", 4), vectors(1, "VEC3", 4), uvs, indices],
+        "bufferViews": [view(0, 48), view(48, 48), view(96, 32), view(128, 12)],
+        "buffers": [{
+            "byteLength": bytes.len(),
+            "uri": format!("data:application/octet-stream,{}", numbers.concat()),
+        }],
+    })
+    .to_string()
+}
+
+/// Under a uniform sky of 3 cd/m2, irradiance divided by pi is 3 cd/m2 on an open floor.
+#[test]
+fn a_lightmap_of_a_floor_under_a_uniform_sky_has_its_light() {
+    let folder = folder();
+    let path = folder.path();
+    fs::write(path.join("floor.gltf"), floor(0.5)).unwrap();
+    let line =
+        "bake floor.gltf --lightmap --environment 3,3,3 --size 16 --method paths --samples 64";
+    let report = lumivox(path, &format!("{line} -o light.ktx2 --json")).expect_ok().json();
+    assert_eq!(report["nodes"][0]["name"], "ground");
+    assert_eq!(report["nodes"][0]["rect"], serde_json::json!([0.0, 0.0, 1.0, 1.0]));
+    // The right half, and a column beside it.
+    assert_eq!((&report["covered"], &report["buried"]), (&(9 * 16).into(), &0.into()));
+    let (size, light) = texels(&path.join("light.ktx2"));
+    assert_eq!(size, [16, 16, 0]);
+    assert!(light.iter().all(|light| (light / 3.0 - 1.0).abs() < 0.01), "{light:?}");
+    let text = lumivox(path, &format!("{line} -o light.exr")).expect_ok().stdout;
+    assert!(text.contains("16 x 16 texels, 144 of them on surfaces"), "{text}");
+    assert!(text.contains("lightMap.channel = 1;"), "{text}");
+}
+
+#[test]
+fn scenes_without_a_second_uv_set_have_no_lightmap() {
+    let folder = folder();
+    let path = folder.path();
+    fs::write(path.join("floor.gltf"), floor(-2.0)).unwrap();
+    for (line, needles) in [
+        (
+            "bake builtin:cornell --lightmap -o light.exr",
+            ["builtin:cornell: mesh \"floor", "(TEXCOORD_1); unwrap it: in Blender"],
+        ),
+        (
+            "bake floor.gltf --lightmap -o light.exr",
+            ["floor.gltf: mesh \"floor\"", "reach from [-2.0, 0.0] to [1.0, 1.0]"],
+        ),
+        ("bake floor.gltf --lightmap -o light.png", ["light.png", ".exr or .ktx2"]),
+        ("bake floor.gltf --lightmap -o light.exr --size 9999", ["--size", "16 to 4096"]),
+    ] {
+        expect_error(path, line, INPUT, &needles);
+    }
+    for line in ["--lightmap --spacing 1", "--direct", "--lightmap --size 64 --density 8"] {
+        let line = format!("bake builtin:cornell -o light.ktx2 {line}");
+        expect_error(path, &line, USAGE, &[]);
+    }
+}
+
 #[test]
 fn bad_bake_options_are_refused() {
     let folder = folder();

@@ -167,6 +167,7 @@ pub fn line(opening: &SceneRequest, aspect: Option<f32>) -> String {
         ignore_required,
         texture_memory,
         geometry_memory,
+        second_uvs: _,
     } = &opening.load;
     if let Some(name) = scene_in_file {
         option("--scene-in-file", name.clone());

@@ -86,6 +86,10 @@ pub struct LoadArgs {
     #[arg(long, value_name = "SIZE", value_parser = load::bytes, default_value = "8GiB")]
     #[arg(allow_hyphen_values = true)]
     pub geometry_memory: u64,
+
+    /// Whether second texture coordinates are read even if no texture uses them; not an option.
+    #[arg(skip)]
+    pub second_uvs: bool,
 }
 
 impl LoadArgs {
@@ -102,6 +106,7 @@ impl LoadArgs {
                 texture_bytes: self.texture_memory,
                 geometry_bytes: self.geometry_memory,
             },
+            second_uvs: self.second_uvs,
             progress: None,
             ..LoadOptions::default()
         }

@@ -8,6 +8,7 @@ mod determinism;
 mod environment;
 mod first_frames;
 mod furnace;
+mod lightmap;
 mod mirrors;
 mod moving;
 mod octree;

@@ -72,6 +72,9 @@ pub struct LoadOptions<'a> {
     /// does), for the surfaces of OBJ, PLY and STL files without normals. Default: the format's:
     /// PLY is smooth, STL flat, OBJ flat outside its smoothing groups.
     pub crease_rad: Option<f32>,
+    /// `true` to fill [`Mesh::uvs1`](crate::Mesh::uvs1) of a glTF file even if no texture uses the
+    /// second set, as lightmaps do. Default: no.
+    pub second_uvs: bool,
     /// The memory budget of the scene.
     pub budget: MemoryBudget,
     /// The source of all files, including the scene's own. Default: the disk.
@@ -89,6 +92,7 @@ impl Default for LoadOptions<'_> {
             up: UpAxis::Y,
             unit_m: 1.0,
             crease_rad: None,
+            second_uvs: false,
             budget: MemoryBudget::default(),
             files: None,
             progress: None,
@@ -149,6 +153,7 @@ impl std::fmt::Debug for LoadOptions<'_> {
             .field("up", &self.up)
             .field("unit_m", &self.unit_m)
             .field("crease_rad", &self.crease_rad)
+            .field("second_uvs", &self.second_uvs)
             .field("budget", &self.budget)
             .finish_non_exhaustive()
     }
@@ -201,6 +206,7 @@ impl Scene {
             up: options.up,
             unit_m: options.unit_m,
             crease_rad: options.crease_rad,
+            second_uvs: options.second_uvs,
             budget: options.budget,
             files: Some(&memory),
             progress: options.progress.as_mut().map(|tell| &mut **tell as _),

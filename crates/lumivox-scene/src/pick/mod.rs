@@ -104,7 +104,8 @@ impl Picker {
     pub fn pick(&self, origin: Vec3, direction: Vec3) -> Option<Pick> {
         let origin = origin.as_dvec3();
         let direction = direction.as_dvec3().try_normalize()?;
-        let (placed, hit) = self.nearest((origin, direction), |placed| placed.sides)?;
+        let ray = (origin, direction);
+        let (placed, hit) = self.nearest(ray, f64::INFINITY, |placed| placed.sides)?;
         let shape = self.shapes[placed.mesh].as_ref()?;
         Some(placed.tell(shape, hit, (origin, direction)))
     }
@@ -112,8 +113,20 @@ impl Picker {
     /// The distance, m, to the first surface on a ray that blocks light, from either side.
     pub fn obstacle_m(&self, origin: Vec3, direction: Vec3) -> Option<f32> {
         let direction = direction.as_dvec3().try_normalize()?;
-        let (_, hit) = self.nearest((origin.as_dvec3(), direction), |_| Sides::Both)?;
+        let ray = (origin.as_dvec3(), direction);
+        let (_, hit) = self.nearest(ray, f64::INFINITY, |_| Sides::Both)?;
         Some(hit.distance as f32)
+    }
+
+    /// The distance, m, to the first surface on a ray that is at most `reach_m` long, if the ray
+    /// meets the back of a single-sided surface there.
+    pub fn back_m(&self, origin: Vec3, direction: Vec3, reach_m: f32) -> Option<f32> {
+        let direction = direction.as_dvec3().try_normalize()?;
+        let ray = (origin.as_dvec3(), direction);
+        let (placed, hit) = self.nearest(ray, f64::from(reach_m), |_| Sides::Both)?;
+        placed
+            .shows_back(self.shapes[placed.mesh].as_ref()?, hit, direction)
+            .then_some(hit.distance as f32)
     }
 
     /// Whether a point is inside something solid: of 14 rays in all directions, at least 11 hit the
@@ -129,20 +142,21 @@ impl Picker {
         let skew = DVec3::new(0.0131, 0.0271, 0.0193);
         let meets_back = |way: DVec3| {
             let (origin, direction) = (at.as_dvec3(), (way + skew).normalize());
-            let (placed, hit) = self.nearest((origin, direction), |_| Sides::Both)?;
-            let shape = self.shapes[placed.mesh].as_ref()?;
-            let front = placed.front_of(shape, hit);
-            Some(placed.sides != Sides::Both && front.dot(direction) > 0.0)
+            let (placed, hit) =
+                self.nearest((origin, direction), f64::INFINITY, |_| Sides::Both)?;
+            Some(placed.shows_back(self.shapes[placed.mesh].as_ref()?, hit, direction))
         };
         let met: Vec<bool> = around.filter_map(meets_back).collect();
         let backs = met.iter().filter(|is_back| **is_back).count();
         backs >= 11 || (met.len() == 14 && backs >= 8)
     }
 
-    /// The first surface on a ray; `sides` gives the sides of an instance that rays hit.
+    /// The first surface on a ray of at most this length; `sides` gives the sides of an instance
+    /// that rays hit.
     fn nearest(
         &self,
         (origin, direction): (DVec3, DVec3),
+        reach: f64,
         sides: impl Fn(&PlacedShape) -> Sides,
     ) -> Option<(&PlacedShape, Hit)> {
         let mut nearest: Option<(&PlacedShape, Hit)> = None;
@@ -153,7 +167,7 @@ impl Picker {
                 placed.local_from_world.transform_point3(origin),
                 placed.local_from_world.transform_vector3(direction),
             );
-            let limit = nearest.map_or(f64::INFINITY, |(_, hit)| hit.distance);
+            let limit = nearest.map_or(reach, |(_, hit)| hit.distance);
             if let Some(hit) = shape.nearest(local, sides(placed), limit) {
                 nearest = Some((placed, hit));
             }
@@ -170,6 +184,11 @@ impl PlacedShape {
             .map(|corner| self.world_from_local.as_dmat4().transform_point3(corner));
         let [a, b, c] = corners;
         (b - a).cross(c - a).normalize_or_zero()
+    }
+
+    /// Whether a ray meets the back of a single-sided surface.
+    fn shows_back(&self, shape: &Shape, hit: Hit, direction: DVec3) -> bool {
+        self.sides != Sides::Both && self.front_of(shape, hit).dot(direction) > 0.0
     }
 
     /// Converts a hit to world space.

@@ -244,6 +244,21 @@ fn is_inside_distinguishes_solids_from_rooms() {
     assert!(!Picker::new(&two_sided).is_inside(block(&scene)), "in a block of sheets");
 }
 
+#[test]
+fn backs_are_only_those_of_single_sided_surfaces_within_reach() {
+    let mut scene = Scene::default();
+    scene.materials.push(Material::default());
+    scene.meshes.push(quad(Vec3::ZERO, Vec3::X, Vec3::Y));
+    scene.instances.push(Instance::default());
+    let picker = Picker::new(&scene);
+    let (front, back) = (Vec3::new(0.2, 0.1, 2.0), Vec3::new(0.2, 0.1, -2.0));
+    assert_eq!(picker.back_m(back, Vec3::Z, 2.5), Some(2.0));
+    assert_eq!(picker.back_m(back, Vec3::Z, 1.5), None, "out of reach");
+    assert_eq!(picker.back_m(front, Vec3::NEG_Z, 2.5), None, "the front");
+    scene.materials[0].double_sided = true;
+    assert_eq!(Picker::new(&scene).back_m(back, Vec3::Z, 2.5), None, "no back");
+}
+
 /// The middle of a block: half-way between the floor and the highest surface below the lamp.
 fn block(scene: &Scene) -> Vec3 {
     let picker = Picker::new(scene);

@@ -202,6 +202,19 @@ fn the_second_uv_set_is_read_only_if_used() {
 }
 
 #[test]
+fn an_unused_second_uv_set_is_read_on_request() {
+    let load = |file: File| {
+        let mut options = LoadOptions { second_uvs: true, ..LoadOptions::default() };
+        Scene::from_memory("scene.glb", &file.glb(), &mut options).unwrap()
+    };
+    let scene = load(with_sets(json!({ "index": 0 })));
+    let expected = [Vec2::new(0.5, 0.5), Vec2::new(0.5, 0.75), Vec2::new(0.75, 0.5)];
+    assert_eq!(scene.meshes[0].uvs1, expected);
+    let plain = load(File::triangle());
+    assert!(plain.meshes[0].uvs1.is_empty() && plain.notes.warnings.is_empty());
+}
+
+#[test]
 fn a_mesh_may_have_only_the_second_uv_set() {
     let mut file = with_sets(json!({ "index": 0, "texCoord": 1 }));
     let primitive = &mut file.json["meshes"][0]["primitives"][0];

@@ -17,6 +17,8 @@ use crate::progress::{ProgressDisplay, words};
 
 /// Points that are gathered between two reports of progress.
 const AT_ONCE: usize = 1 << 14;
+/// Sensors of one light meter: the most that it takes.
+const SENSORS: usize = 1 << 20;
 
 /// The light at a place, in lux or cd/m².
 #[derive(Clone, Copy, Debug)]
@@ -159,11 +161,15 @@ impl Task<'_> {
         sensors: &[Sensor],
         settings: MeterSettings,
     ) -> anyhow::Result<Vec<lumivox_render::reference::Reading>> {
-        let meter = LightMeter::new(self.gpu, self.scene, sensors, settings);
-        let mut meter = pollster::block_on(meter)?;
-        pollster::block_on(meter.measure(&mut |step| self.tell_sample(&step)))?;
-        self.check()?;
-        Ok(meter.readings())
+        let mut readings = Vec::with_capacity(sensors.len());
+        for some in sensors.chunks(SENSORS) {
+            let meter = LightMeter::new(self.gpu, self.scene, some, settings);
+            let mut meter = pollster::block_on(meter)?;
+            pollster::block_on(meter.measure(&mut |step| self.tell_sample(&step)))?;
+            self.check()?;
+            readings.extend(meter.readings());
+        }
+        Ok(readings)
     }
 
     fn tell_sample(self, step: &ReferenceProgress) -> ControlFlow<()> {

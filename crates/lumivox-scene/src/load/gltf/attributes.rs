@@ -57,18 +57,23 @@ impl Loader<'_> {
         Ok(uvs.into_iter().map(Vec2::from_array).collect())
     }
 
-    /// Reads the second texture coordinates, if the material uses them.
+    /// Reads the second texture coordinates, if the material or the caller uses them.
     pub(super) fn read_second_uvs(
         &mut self,
         primitive: &gltf::Primitive<'_>,
         part: &str,
         material: usize,
     ) -> Result<Vec<Vec2>, SceneError> {
-        if !self.scene.materials[material].textures().any(|texture| texture.uv_set == 1) {
+        let is_textured =
+            self.scene.materials[material].textures().any(|texture| texture.uv_set == 1);
+        if !is_textured && !self.second_uvs {
             return Ok(Vec::new());
         }
         if let Some(uvs) = primitive.get(&Semantic::TexCoords(1)) {
             return self.read_uvs(uvs.index());
+        }
+        if !is_textured {
+            return Ok(Vec::new());
         }
         self.notes.warn(format!(
             "{part}: its material wants coordinate set 1, which it does not have; set 0 is used"

@@ -65,6 +65,8 @@ struct Budget<'a> {
 struct Loader<'a> {
     file: &'a Path,
     reach: Reach<'a>,
+    /// Whether second texture coordinates are read even if no texture uses them.
+    second_uvs: bool,
     document: &'a gltf::Document,
     buffers: &'a [Cow<'a, [u8]>],
     /// The text of the document.
@@ -112,6 +114,7 @@ fn load_bytes(
         let mut loader = Loader {
             file,
             reach,
+            second_uvs: options.second_uvs,
             document: &parsed.document,
             buffers: &parsed.buffers,
             json: parsed.json,

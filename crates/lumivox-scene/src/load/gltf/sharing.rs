@@ -18,7 +18,7 @@ pub(super) struct MeshKey {
     mode: u32,
     /// Whether its winding is reversed.
     mirrored: bool,
-    /// Whether the material uses the second texture coordinates.
+    /// Whether the material or the caller uses the second texture coordinates.
     needs_second_uvs: bool,
     /// The input of computed tangents: the normal texture's coordinate set and transform (floats by
     /// their bits). `None` if tangents are not computed.
@@ -45,7 +45,8 @@ impl Loader<'_> {
             indices: primitive.indices().map(|a| a.index()),
             mode: primitive.mode().as_gl_enum(),
             mirrored,
-            needs_second_uvs: material.textures().any(|texture| texture.uv_set == 1),
+            needs_second_uvs: self.second_uvs
+                || material.textures().any(|texture| texture.uv_set == 1),
             tangents: normal.map(|n| (n.uv_set, n.transform.to_cols_array().map(f32::to_bits))),
         }
     }

@@ -1,25 +1,17 @@
-//! `lumivox bake`: a volume of indirect light at probes, for renderers without global illumination
-//! of their own.
+//! A volume of indirect light at probes.
 
-use std::io::Write as _;
 use std::path::Path;
-use std::time::Instant;
 
 use glam::Vec3;
+use lumivox_console::Failure;
 use lumivox_console::report::AdapterReport;
-use lumivox_console::{Failure, SourceArgs};
 use lumivox_render::irradiance_volume::{DIRECTIONS, IrradianceVolume, ProbeGrid, buried};
-use lumivox_render::reference::{MeterSettings, Sensor};
-use lumivox_scene::{Scene, write_atomically};
+use lumivox_scene::Scene;
 use serde_json::{Value, json};
 
-use super::measure::Task;
-use super::staged::stage;
-use crate::args::{output, scene};
-use crate::cli::{BakeArgs, Method};
+use super::{Bake, ending, write};
+use crate::cli::BakeArgs;
 use crate::host::Host;
-use crate::progress::ProgressDisplay;
-use crate::{light, settings};
 
 /// The most probes of a volume.
 const MOST: f64 = (1 << 18) as f64;
@@ -32,61 +24,29 @@ const CELLS: f32 = 24.0;
 const MARGIN: f32 = 1e-3;
 
 /// Bakes, writes and reports.
-///
-/// # Errors
-/// When any step fails; the message says which.
-pub fn run(args: &BakeArgs, host: &Host) -> anyhow::Result<()> {
-    if args.output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("ktx2")) {
+pub(super) fn run(args: &BakeArgs, host: &Host) -> anyhow::Result<()> {
+    if ending(&args.output) != "ktx2" {
         let file = args.output.display();
         return Err(
             Failure::input(format!("{file}: unknown kind of file; end the name in .ktx2")).into()
         );
     }
-    output::check_folder(&args.output, &output::folder_of(&args.output))?;
-    let given = [args.voxels.given(), args.light.given(), args.cones.settings.given()].concat();
-    let size = glam::UVec2::splat(16);
-    let settings = settings::of(args.cones.preset(), size, &given)?;
-    scene::check(&args.scene.scene)?;
-    light::check(&args.sources)?;
-    let start = Instant::now();
-    let mut progress = ProgressDisplay::start(host, "loading");
-    let gpu = host.open_gpu(&args.gpu.options())?;
-    // No default light is added, unless --surroundings asks for some.
-    let adds = args.sources.surroundings.is_some();
-    let sources = SourceArgs { no_default_light: !adds, ..args.sources.clone() };
-    let (scene, camera) =
-        stage(&args.scene.scene, &args.scene.load, &sources, &args.view, size, &progress)?;
-    let grid = grid(&scene, args)?;
-    progress.stop_on_interrupt(host)?;
-    progress.set("looking around probes", 0, 1);
+    let bake = Bake::prepare(args, host)?;
+    let grid = grid(&bake.scene, args)?;
+    bake.progress.set("looking around probes", 0, 1);
     let probes = grid.probes();
-    let buried = buried(&scene, &probes);
+    let buried = buried(&bake.scene, &probes);
     let places: Vec<(Vec3, Vec3)> =
         probes.iter().flat_map(|&probe| DIRECTIONS.map(|direction| (probe, direction))).collect();
-    let task = Task { gpu: &gpu, scene: &scene, camera: &camera, progress: &progress };
     // Only indirect light: the renderer that uses the volume adds the direct light.
-    let irradiance: Vec<Vec3> = match args.method {
-        Method::Cones => {
-            let gathered = task.gathered(&places, settings, args.frames)?;
-            gathered.iter().map(|light| light.indirect).collect()
-        }
-        Method::Paths => {
-            let bounces = given.iter().any(|(parameter, _)| parameter.name == "bounces");
-            let bounces = bounces.then_some(settings.bounces);
-            let settings = MeterSettings { samples: args.samples, seed: args.seed, bounces };
-            let sensor = |&(at, normal): &(Vec3, Vec3)| Sensor::Irradiance { at, normal };
-            let read = task.traced(&places.iter().map(sensor).collect::<Vec<_>>(), settings)?;
-            let indirect = |light: &lumivox_render::reference::Reading| {
-                (Vec3::from(light.total) - Vec3::from(light.direct)).max(Vec3::ZERO)
-            };
-            read.iter().map(indirect).collect()
-        }
-    };
-    progress.set("writing", 0, 1);
+    let irradiance = bake.irradiance(&places, false)?;
+    bake.progress.set("writing", 0, 1);
     let (sides, _) = irradiance.as_chunks::<6>();
     let volume = IrradianceVolume::new(grid, sides, &buried);
     let (bytes, intensity) = volume.to_ktx2();
-    write(&args.output, &bytes)?;
+    write(&args.output, "volume", &bytes)?;
+    let (seconds, adapter) = bake.figures();
+    let Bake { scene, progress, .. } = bake;
     drop(progress);
     let report = Report {
         scene: &scene.name,
@@ -95,8 +55,8 @@ pub fn run(args: &BakeArgs, host: &Host) -> anyhow::Result<()> {
         buried: buried.iter().filter(|is_buried| **is_buried).count(),
         bytes: bytes.len(),
         intensity,
-        seconds: start.elapsed().as_secs_f64(),
-        adapter: AdapterReport::new(&gpu.adapter_info),
+        seconds,
+        adapter,
     };
     if args.json { host.print_json(&report.json()) } else { host.print(&report.text()) }
 }
@@ -129,14 +89,6 @@ fn grid(scene: &Scene, args: &BakeArgs) -> anyhow::Result<ProbeGrid> {
         )));
     }
     Ok(ProbeGrid::over(min, max, spacing))
-}
-
-/// Writes the file, complete or not at all.
-fn write(file: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    write_atomically(file, |out| out.write_all(bytes)).map_err(|error| {
-        let reason = format!("{}: cannot write the volume: {error}", file.display());
-        Failure::output(reason + "; check the folder and its permissions").into()
-    })
 }
 
 /// The figures of a baked volume.
