@@ -74,7 +74,7 @@ fn is_run(bits: vec4u) -> vec4<bool> {
     return countOneBits(bits & ~(bits << vec4u(1u))) <= vec4u(1u);
 }
 
-// What the bits of a face cover.
+// The part of a voxel that a face covers by its bits.
 struct Covered {
     // As a share of the voxel's side.
     area: f32,
