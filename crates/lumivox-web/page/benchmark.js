@@ -116,8 +116,7 @@ export async function measure({ ask, frame, say }, gpu) {
         await run(`${scene} moving`, async () => {
             step += 1;
             const next = rendered();
-            const ran = await ask("run", move(light, (2 * Math.PI * step) / TURN));
-            if (ran.failed !== undefined) throw new Error(ran.failed);
+            await ask("run", move(light, (2 * Math.PI * step) / TURN));
             const report = await next;
             while (!(await frame()).complete);
             return report;

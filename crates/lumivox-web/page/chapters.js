@@ -41,7 +41,7 @@ export const lampAt = (position) => ({
 export const LAMP = { /** @type {Vec3} */ first: [0, 1.75, 0], /** @type {Vec3} */ min: [-2.2, 0.3, -1.7], /** @type {Vec3} */ max: [2.2, 2.4, 1.7] };
 
 /** The wall between two rooms, slid aside. @param {number} metres @returns {Order} */
-export const wallAt = (metres) => ({ call: "run", data: `place 'dividing wall' 0 0 ${-metres}` });
+export const wallAt = (metres) => ({ call: "run", data: `place 'dividing wall' 0 0 ${-metres} 0 0 0 1` });
 export const WALL_FIRST_M = 0.5;
 
 /** @type {Record<string, Chapter>} */

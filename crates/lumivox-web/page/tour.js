@@ -73,7 +73,11 @@ const mark = (name) => performance.getEntriesByName(name).length > 0 || performa
 async function ask(call, data) {
     asked += 1;
     try {
-        return await client?.call(call, data, undefined, []);
+        const result = await client?.call(call, data);
+        // The worker's answer to a line with an error.
+        const { failed } = /** @type {{ failed?: string }} */ (result ?? {});
+        if (failed !== undefined) throw new Error(failed);
+        return result;
     } finally {
         asked -= 1;
     }

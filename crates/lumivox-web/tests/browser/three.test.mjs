@@ -157,6 +157,8 @@ test("LumivoxGi lights a canvas of react-three-fiber, follows its props, and can
     const app = await App.open(session, { path: "react/index.html" });
     await app.page.waitForFunction(() => document.documentElement.dataset.state, undefined, { timeout: COMPILED_MS });
     assert.equal(await app.page.evaluate(() => document.documentElement.dataset.state), "ready");
+    // Fiber itself uses what three.js has deprecated.
+    assert.deepEqual(app.messages.take().filter((text) => !/THREE\.Clock|PCFSoftShadowMap/.test(text)), []);
     /** Waits until the middle of the canvas has a radiance. @param {number} exact */
     const shows = async (exact) => {
         let red = Number.NaN;
