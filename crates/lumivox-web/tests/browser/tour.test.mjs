@@ -10,9 +10,12 @@ import { OBJ } from "./harness/files.mjs";
 import { different, freshPath, native } from "./harness/picture.mjs";
 
 const PHONE = { viewport: { width: 360, height: 640 }, hasTouch: true, isMobile: true, acceptDownloads: true };
-/** The benchmark with pictures and times for a software GPU.
- * @type {[string, string][]} */
-const SMALL = [["{ width: 640, height: 360 }", "{ width: 48, height: 27 }"], ["resolution: 64", "resolution: 16"], ["[4000, 3, 2, 20_000]", "[200, 3, 1, 200_000]"]];
+/** Pictures and times for a software GPU, by file of the page.
+ * @type {Record<string, [string, string][]>} */
+const SMALL = {
+    "benchmark.js": [["{ width: 640, height: 360 }", "{ width: 48, height: 27 }"], ["resolution: 64", "resolution: 16"], ["[4000, 3, 2, 20_000]", "[200, 3, 1, 200_000]"]],
+    "tour.js": [["width: 384, budget: 400", "width: 96, budget: 0"], ["GATHERED = 12", "GATHERED = 2"]],
+};
 
 /** @type {Session} */
 let session;
@@ -23,15 +26,15 @@ before(async () => {
     app = await App.open(session, {
         path: "",
         context: PHONE,
-        before: (page) => page.route("**/benchmark.js", async (route) => {
+        before: (page) => Promise.all(Object.entries(SMALL).map(([file, changes]) => page.route(`**/${file}`, async (route) => {
             const response = await route.fetch();
             let body = await response.text();
-            for (const [from, to] of SMALL) {
-                assert.ok(body.includes(from), `benchmark.js has no ${from} any more`);
+            for (const [from, to] of changes) {
+                assert.ok(body.includes(from), `${file} has no ${from} any more`);
                 body = body.replace(from, to);
             }
             await route.fulfill({ response, body });
-        }),
+        }))),
     });
 });
 after(() => session?.end());
@@ -86,13 +89,13 @@ test("closing the wall darkens the room", async () => {
     await app.page.locator("#wall-open").fill("0");
     await app.page.locator("#wall pre b", { hasText: /^-?0$/ }).waitFor();
     let closed = open;
-    for (let tries = 0; tries < 60 && closed > 0.2 * open; tries += 1) {
+    for (let tries = 0; tries < 60 && closed > 75; tries += 1) {
         await app.page.waitForTimeout(250);
         closed = await brightness();
     }
     console.log(`brightness: open ${open.toFixed(1)}, closed ${closed.toFixed(1)}`);
     // Alpha is always 255, a quarter of the mean.
-    assert.ok(open > 90 && closed < 75, `${open} ${closed}`);
+    assert.ok(open > 90 && closed < 75, `open ${open}, closed ${closed}`);
 });
 
 test("the lamp follows the arrow keys", async () => {
@@ -141,7 +144,8 @@ test("without WebGPU the pictures stay, and a line says so", async () => {
         assert.match(await without.page.locator("#state").innerText(), /^These are pictures: this browser has no WebGPU here/);
         assert.ok(await without.page.locator("figure[data-chapter=room] > img").isVisible());
         assert.equal(await without.page.locator(".control:visible, .lamp:visible, .line:visible").count(), 0);
-        without.messages.check();
+        // Chromium's own.
+        assert.deepEqual(without.messages.take().filter((text) => !/No available adapters/.test(text)), []);
     } finally {
         await plain.end();
     }

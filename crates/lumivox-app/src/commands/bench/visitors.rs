@@ -80,7 +80,10 @@ pub fn table(files: &[impl AsRef<Path>]) -> anyhow::Result<String> {
         let visit = read(&bytes)
             .map_err(|problem| Failure::input(format!("{}: {problem}", file.display())))?;
         let name = visit.gpu.name.trim().to_owned();
-        by_gpu.entry((name.to_lowercase(), visit.clock)).or_insert(Group::new(name)).add(visit);
+        by_gpu
+            .entry((name.to_lowercase(), visit.clock))
+            .or_insert_with(|| Group::new(name))
+            .add(&visit);
     }
     let mut text = String::from("| GPU | results | clock |");
     text.extend(CASES.iter().map(|(_, heading)| format!(" {heading} |")));
@@ -109,7 +112,7 @@ impl Group {
         Self { name, visits: 0, ms: Default::default() }
     }
 
-    fn add(&mut self, visit: Visit) {
+    fn add(&mut self, visit: &Visit) {
         self.visits += 1;
         for ((id, _), ms) in CASES.iter().zip(&mut self.ms) {
             ms.extend(visit.cases.iter().filter(|case| case.id == *id).map(|case| case.median_ms));
