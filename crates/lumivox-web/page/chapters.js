@@ -37,8 +37,9 @@ export const lampAt = (position) => ({
     call: "light",
     data: { index: 0, light: { name: "lamp", kind: "point", intensity: 120, position } },
 });
-/** Its first place, and the room in which it may be, metres. */
-export const LAMP = { /** @type {Vec3} */ first: [0, 1.75, 0], /** @type {Vec3} */ min: [-2.2, 0.3, -1.7], /** @type {Vec3} */ max: [2.2, 2.4, 1.7] };
+/** Its first place, and the room in which it may be, metres.
+ * @type {{ first: Vec3, min: Vec3, max: Vec3 }} */
+export const LAMP = { first: [0, 1.75, 0], min: [-2.2, 0.3, -1.7], max: [2.2, 2.4, 1.7] };
 
 /** The wall between two rooms, slid aside. @param {number} metres @returns {Order} */
 export const wallAt = (metres) => ({ call: "run", data: `place 'dividing wall' 0 0 ${-metres} 0 0 0 1` });
@@ -56,13 +57,13 @@ export const CHAPTERS = {
     lamp: {
         scene: "builtin:furnished",
         camera: camera([2.3, 1.7, 1.8], [-0.8, 0.75, -0.6], 57.3),
-        settings: { exposure: -4.2 },
+        settings: { exposure: -4.2, bounces: 8 },
         orders: [lampAt(LAMP.first)],
     },
     wall: {
         scene: "builtin:two-rooms-closed",
         camera: camera([1.85, 1.3, -0.8], [0, 0.85, 0.3], 60.2),
-        settings: { exposure: -1.4 },
+        settings: { exposure: -1.4, bounces: 8 },
         orders: [wallAt(WALL_FIRST_M)],
     },
 };

@@ -27,12 +27,14 @@ before(async () => {
 });
 after(() => session?.end());
 
-// The WebAssembly is the same in all bundles, so only one of them renders.
-for (const [name, what, end, said] of [
+/** The WebAssembly is the same in all bundles, so only one of them renders.
+ * @type {[string, string, string, string | RegExp][]} */
+const BUNDLES = [
     ["vite", "Vite bundles the package, and its page shows the scene", "", "cornell: 40 triangles"],
     ["webpack", "webpack bundles the package, whose WebAssembly answers", "#init", /^\d+ scenes/],
     ["inlined", "webpack bundles the entry with inlined WebAssembly, which answers", "#init", /^\d+ scenes/],
-]) {
+];
+for (const [name, what, end, said] of BUNDLES) {
     test(what, async () => {
         const app = await App.open(session, { path: `${name}/index.html${end}` });
         await app.page.locator("p").getByText(said).waitFor({ timeout: COMPILED_MS });
