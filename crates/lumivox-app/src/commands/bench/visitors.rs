@@ -29,11 +29,16 @@ const LEAST_MOVING: f64 = 0.5;
 /// The longest name of a GPU, bytes.
 const LONGEST_NAME: usize = 160;
 
+/// The kind of a file.
+#[derive(Debug, Deserialize)]
+struct Head {
+    kind: String,
+    format: u32,
+}
+
 /// A visitor's result.
 #[derive(Debug, Deserialize)]
 struct Visit {
-    kind: String,
-    format: u32,
     /// The version of Lumivox.
     lumivox: String,
     gpu: Gpu,
@@ -150,25 +155,29 @@ fn median(values: &[f64]) -> Option<f64> {
     Some(0.5 * (sorted[low] + sorted[high]))
 }
 
+/// Remedy for files that are not as the page writes them.
+const AGAIN: &str = "export it from the page again";
+
+fn parse<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, String> {
+    // The error of the library names line and column.
+    serde_json::from_slice(bytes)
+        .map_err(|error| format!("this is not a result of the page's benchmark: {error}; {AGAIN}"))
+}
+
 /// Reads and checks a file.
 fn read(bytes: &[u8]) -> Result<Visit, String> {
-    let again = "export it from the page again";
-    let visit: Visit = serde_json::from_slice(bytes).map_err(|error| {
-        format!(
-            "line {}, column {}: this is no result of the page's benchmark: {error}; {again}",
-            error.line(),
-            error.column()
-        )
-    })?;
-    if visit.kind != KIND {
-        return Err(format!("kind: is \"{}\", not \"{KIND}\"; {again}", visit.kind));
+    // Other versions may have other fields.
+    let Head { kind, format } = parse(bytes)?;
+    if kind != KIND {
+        return Err(format!("kind: is \"{kind}\", not \"{KIND}\"; {AGAIN}"));
     }
-    if visit.format != FORMAT {
+    if format != FORMAT {
         return Err(format!(
-            "format: is {}, but this program reads {FORMAT}; use the program of the page's version",
-            visit.format
+            "format: is {format}, but this program reads {FORMAT}; use the program of the page's \
+             version"
         ));
     }
+    let visit: Visit = parse(bytes)?;
     let version = env!("CARGO_PKG_VERSION");
     if visit.lumivox != version {
         return Err(format!(
@@ -185,7 +194,7 @@ fn read(bytes: &[u8]) -> Result<Visit, String> {
     }
     if visit.gpu.is_fallback && visit.clock == Clock::Timestamps {
         return Err(format!(
-            "clock: a software GPU has no true timestamps; {again}, which then measures frames"
+            "clock: a software GPU has no true timestamps; {AGAIN}, which then measures frames"
         ));
     }
     check_cases(&visit.cases)?;
@@ -303,6 +312,6 @@ mod tests {
         software["gpu"]["is_fallback"] = json!(true);
         software["clock"] = json!("timestamps");
         assert!(problem(&software).contains("no true timestamps"));
-        assert!(read(b"{").unwrap_err().contains("line 1, column 1"));
+        assert!(read(b"{").unwrap_err().contains("line 1 column 1"));
     }
 }
