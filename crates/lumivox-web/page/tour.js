@@ -24,8 +24,8 @@ const FIRST = { resolution: 32, cones: "6", specular: false, temporal: false, tr
  * the figure), the budget of a frame in motion, ms, and settings.
  * @type {{ upTo: number, width: number, budget: number, settings: Settings }[]} */
 const SPEEDS = [
-    { upTo: 10, width: Infinity, budget: 33, settings: { resolution: 96, cones: "9", specular: true, temporal: true, trace_resolution: "half" } },
-    { upTo: 40, width: 960, budget: 50, settings: { resolution: 64, cones: "9", specular: true, temporal: true, trace_resolution: "half" } },
+    { upTo: 16, width: Infinity, budget: 33, settings: { resolution: 96, cones: "9", specular: true, temporal: true, trace_resolution: "half" } },
+    { upTo: 60, width: 960, budget: 50, settings: { resolution: 64, cones: "9", specular: true, temporal: true, trace_resolution: "half" } },
     { upTo: Infinity, width: 384, budget: 400, settings: FIRST },
 ];
 /** All chapters have it, with the settings above. */
@@ -168,13 +168,18 @@ function onFrame(report) {
         canvas.classList.add("live");
         mark("live");
     }
-    if (isMoving && chapter.moving && asked === 0 && !document.hidden) {
-        mark("moving");
-        void give(chapter.moving((performance.now() - began) / 1000));
-    }
+    animate();
     const pixels = `${Math.round(size.width * report.scale)} x ${Math.round(size.height * report.scale)} pixels`;
     state.textContent = `Live: ${pixels}, ${report.frame_ms.toFixed(report.frame_ms < 10 ? 1 : 0)} ms a frame on this device`;
     document.documentElement.dataset.state = "live";
+}
+
+/** Moves what moves in the chapter, unless the page is hidden. */
+function animate() {
+    const moving = CHAPTERS[shown]?.moving;
+    if (!moving || isShowing || isStill.matches || asked > 0 || document.hidden) return;
+    mark("moving");
+    void give(moving((performance.now() - began) / 1000));
 }
 
 /** Chooses size and voxels by the times of the first frames. @param {number} ms */
@@ -388,6 +393,7 @@ async function start() {
     await client.call("preset", PRESET);
     listen();
     new ResizeObserver(resize).observe(canvas);
+    document.addEventListener("visibilitychange", animate);
     watch();
 }
 
