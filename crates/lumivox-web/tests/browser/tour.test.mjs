@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { writeFile } from "node:fs/promises";
 import { after, before, test } from "node:test";
-import { App } from "./harness/app.mjs";
+import { App, LINK } from "./harness/app.mjs";
 import { Session } from "./harness/browser.mjs";
 import { OBJ } from "./harness/files.mjs";
 import { freshPath, native } from "./harness/picture.mjs";
@@ -14,7 +14,7 @@ const PHONE = { viewport: { width: 360, height: 640 }, hasTouch: true, isMobile:
  * @type {Record<string, [string, string][]>} */
 const SMALL = {
     "benchmark.js": [["{ width: 640, height: 360 }", "{ width: 48, height: 27 }"], ["resolution: 64", "resolution: 16"], ["[4000, 3, 2, 20_000]", "[200, 3, 1, 200_000]"]],
-    "tour.js": [["width: 384, budget: 400", "width: 96, budget: 0"], ["GATHERED = 12", "GATHERED = 2"]],
+    "tour.js": [["width: 384, budget: 400", "width: 96, budget: 0"], ["GATHERED = 12", "GATHERED = 2"], ["viewer.html${DROPPED}", `viewer.html\${DROPPED}#${LINK}`]],
 };
 
 /** @type {Session} */
@@ -134,7 +134,7 @@ test("the program imports the benchmark's file", async () => {
 
 test("a dropped model opens in the viewer", async () => {
     await app.drop(OBJ);
-    await app.page.waitForURL(/viewer\.html$/);
+    await app.page.waitForURL(/viewer\.html#/);
     await app.page.waitForSelector('#title:text-is("corner")', { state: "attached" });
     // Without its .mtl the floor would have another name.
     assert.deepEqual((await app.call("materials")).map((/** @type {{ name: string }} */ { name }) => name), ["floor", "lamp"]);
