@@ -175,7 +175,7 @@ print_page() {
 <body>
 <header>
 <h1>Gallery</h1>
-<p>Choose a picture to open its scene in the <a href="index.html">viewer</a>, if your browser has WebGPU. Each was made by the
+<p>Choose a picture to open its scene in the <a href="viewer.html">viewer</a>, if your browser has WebGPU. Each was made by the
 command below it.</p>
 </header>
 <main>
@@ -183,7 +183,7 @@ TEXT
     for i in "${!names[@]}"; do
         size=$(size_of "$i")
         printf '<figure id="%s"%s>\n' "${names[i]}" "${paces[i]:+ class=\"moving\"}"
-        printf '<a href="index.html#%s"><img src="gallery/%s.webp" width="%s" height="%s" alt="%s" loading="lazy"></a>\n' \
+        printf '<a href="viewer.html#%s"><img src="gallery/%s.webp" width="%s" height="%s" alt="%s" loading="lazy"></a>\n' \
             "$(html <<<"${links[i]}")" "${names[i]}" "${size%x*}" "${size#*x}" "$(html <<<"${titles[i]}")"
         printf '<figcaption><h2>%s</h2><p>%s</p></figcaption>\n' "$(html <<<"${titles[i]}")" "$(html <<<"${captions[i]}")"
         printf '<details><summary>Command</summary><pre tabindex="0">%s</pre></details>\n</figure>\n' "$(html <<<"${commands[i]}")"

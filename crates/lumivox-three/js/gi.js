@@ -6,7 +6,7 @@ import { Environment } from "./environment.js";
 import { failure } from "./failure.js";
 import { GBuffer } from "./gbuffer.js";
 import { lightRows } from "./lights.js";
-import { LightNode, Outputs } from "./nodes.js";
+import { LightNode, Outputs, ProbeNode } from "./nodes.js";
 import { Draws } from "./draws.js";
 
 /** Maximum frames until the first voxels are complete; each applies earlier read-backs. */
@@ -28,6 +28,9 @@ export class Gi {
     #camera = new Float32Array(22);
     #notes = new Set();
     #isDisposed = false;
+    /** The frame that has been updated, and whether anything in it asked for probes. */
+    #frameId = -1;
+    #hasProbes = false;
     #stats = { late: true, voxels: 0, faces: 0 };
 
     static async create(SharedGi, renderer, options) {
@@ -43,6 +46,7 @@ export class Gi {
         const gi = new Gi(shared, renderer, scene, camera, bounds, options);
         try {
             gi.#resize();
+            if (hasLater(scene)) gi.probes();
             await shared.compile(onProgress);
             await gi.#environment.update();
             await gi.#begin();
@@ -64,14 +68,12 @@ export class Gi {
         this.#draws = new Draws(shared, renderer, note);
         this.#environment = new Environment(shared, renderer, scene, suns ? bounds : null, note);
         this.note = note;
-        const light = new LightNode(this);
-        /** For `pass.contextNode`: gives all opaque materials of a pass our light. */
+        const [light, probes] = [new LightNode(this), new ProbeNode(this)];
+        /** For `pass.contextNode`: gives all materials of a pass our light. */
         this.context = context({
             getGI: (given, { material }) => {
-                // Materials outside the G-buffer: three.js draws them after opaque ones.
-                const isLater = material.transparent === true || material.transmission > 0 || material.transmissionNode || material.backdropNode;
-                if (isLater) return given;
-                return given === null ? light : light.add(given);
+                const own = isLater(material) ? probes : light;
+                return given === null ? own : own.add(given);
             },
         });
     }
@@ -118,10 +120,32 @@ export class Gi {
         this.#environment.watch();
         this.#draws.update(this.scene);
         shared.setLights(lightRows(this.scene, this.note));
-        const [late, voxels, faces] = shared.render(this.#cameraRow(), this.#environment.row());
+        const [late, voxels, faces] = shared.render(this.#cameraRow(), this.#environment.row(), this.#hasProbes);
+        this.#hasProbes = false;
         // Counts are 0 while the list of voxels is being replaced; keep the last ones.
         const { voxels: lastVoxels, faces: lastFaces } = this.#stats;
         this.#stats = { late: late === 1, voxels: voxels || lastVoxels, faces: faces || lastFaces };
+    }
+
+    /** Updates once in a frame of three.js. Errors are noted: an exception would interrupt three.js
+     * in the page's pass. */
+    updateFor({ frameId }, hasProbes = false) {
+        this.#hasProbes ||= hasProbes;
+        if (frameId === this.#frameId) return;
+        this.#frameId = frameId;
+        try {
+            this.update();
+        } catch (error) {
+            const text = `a frame has no new light: ${error.message}`;
+            if (!this.notes.includes(text)) console.error(error);
+            this.note(text);
+        }
+    }
+
+    /** The light in the air, for `ProbeNode`. From then on it is updated. */
+    probes() {
+        this.#hasProbes = true;
+        return this.outputs.probesOf(this.#shared.probes());
     }
 
     /** Frees all memory on the GPU. Materials then keep the light of the last frame. */
@@ -171,6 +195,17 @@ export class Gi {
         row[21] = this.#renderer.reversedDepthBuffer === true ? 1 : 0;
         return row;
     }
+}
+
+/** Whether a material is outside the G-buffer: three.js draws it after opaque ones. */
+const isLater = (material) => material.transparent === true || material.transmission > 0 || Boolean(material.transmissionNode || material.backdropNode);
+
+function hasLater(scene) {
+    let is = false;
+    scene.traverseVisible(({ material }) => {
+        is ||= [material ?? []].flat().some((each) => each && isLater(each));
+    });
+    return is;
 }
 
 /** The bounds of the lit volume: all meshes, and a margin. */

@@ -56,7 +56,8 @@ export interface Gi {
     readonly camera: Camera;
     /** Where voxels are, metres. */
     readonly bounds: Box3;
-    /** For `pass.contextNode`: gives all opaque materials of the pass this light, in place of that of `scene.environment`. */
+    /** For `pass.contextNode`: gives all materials of the pass this light, in place of that of `scene.environment`; transparent
+     * ones and glass get it from probes. */
     readonly context: ContextNode;
     /** Irradiance in rgb, and in a the open share of the hemisphere; of the size of the renderer's drawing buffer. */
     readonly irradiance: TextureNode;

@@ -1,23 +1,42 @@
 // The results of the cones, as nodes of TSL.
 
 import { ExternalTexture, HalfFloatType, LinearFilter, Node, NodeUpdateType, NoColorSpace } from "three/webgpu";
-import { metalness, screenUV, texture, vec3 } from "three/tsl";
+import { clamp, metalness, normalWorld, positionWorld, screenUV, select, texture, texture3D, vec3 } from "three/tsl";
 
-/** The two output textures of a frame. */
+/** The output textures of a frame. */
 export class Outputs {
+    #probes = null;
+
     constructor() {
         this.irradiance = texture(wrapped(null));
         this.reflection = texture(wrapped(null));
     }
 
+    /** The light of probes and their place, from `SharedGi.probes`. */
+    probesOf([source, x, y, z, edge, a, b, c]) {
+        if (this.#probes === null) {
+            const external = wrapped(source);
+            external.is3DTexture = true;
+            external.image.depth = source.depthOrArrayLayers;
+            const [low, cells] = [vec3(x, y, z), vec3(a, b, c)];
+            this.#probes = { probes: texture3D(external), low, cells, size: cells.mul(edge) };
+        }
+        return this.#probes;
+    }
+
     /** Replaces the textures when the size changes. */
     set([irradiance, reflection]) {
-        this.dispose();
+        this.#disposeScreen();
         this.irradiance.value = wrapped(irradiance);
         this.reflection.value = wrapped(reflection);
     }
 
     dispose() {
+        this.#disposeScreen();
+        this.#probes?.probes.value.dispose();
+    }
+
+    #disposeScreen() {
         this.irradiance.value.dispose();
         this.reflection.value.dispose();
     }
@@ -45,15 +64,8 @@ export class LightNode extends Node {
         this.updateBeforeType = NodeUpdateType.FRAME;
     }
 
-    updateBefore() {
-        // An exception would interrupt three.js in the page's pass.
-        try {
-            this.gi.update();
-        } catch (error) {
-            const text = `a frame has no new light: ${error.message}`;
-            if (!this.gi.notes.includes(text)) console.error(error);
-            this.gi.note(text);
-        }
+    updateBefore(frame) {
+        this.gi.updateFor(frame);
     }
 
     setup(builder) {
@@ -73,5 +85,43 @@ export class LightNode extends Node {
             }
         }
         return irradiance.sample(screenUV).rgb;
+    }
+}
+
+/** The irradiance of materials that three.js draws after the opaque ones: that of the probes around
+ * a surface. Their gloss stays three.js's own. */
+export class ProbeNode extends Node {
+    static get type() {
+        return "LumivoxProbeNode";
+    }
+
+    constructor(gi) {
+        super("vec3");
+        this.gi = gi;
+        this.updateBeforeType = NodeUpdateType.FRAME;
+    }
+
+    updateBefore(frame) {
+        this.gi.updateFor(frame, true);
+    }
+
+    setup(builder) {
+        // The probes include the light of the scene's surroundings, and its occlusion.
+        const { iblIrradiance } = builder.context;
+        if (builder.material?.envMap) iblIrradiance?.mulAssign(metalness);
+        else iblIrradiance?.assign(vec3(0));
+        const { probes, low, size, cells } = this.gi.probes();
+        // Within the centres of the outermost cells: behind them in the texture are others.
+        const inset = vec3(0.5).div(cells);
+        const place = clamp(positionWorld.sub(low).div(size), inset, inset.oneMinus()).toConst();
+        // An ambient cube (Mitchell 2006, "Shading in Valve's Source Engine").
+        const share = normalWorld.mul(normalWorld).toConst();
+        const light = ["x", "y", "z"].map((axis, at) => {
+            const isNegative = select(normalWorld[axis].lessThan(0), 1, 0);
+            const uv = vec3(place.x, place.y.add(isNegative).div(2), place.z.add(at).div(3));
+            return probes.sample(uv).level(0).rgb.mul(share[axis]);
+        });
+        // The texture has the radiance of white surfaces.
+        return light[0].add(light[1]).add(light[2]).mul(Math.PI);
     }
 }

@@ -2,7 +2,7 @@
 //! scenes and files.
 //!
 //! The Rust code does not depend on three.js: JavaScript (`js/`) walks the scene and passes
-//! buffers, textures and numbers; the results are two textures.
+//! buffers, textures and numbers; the results are textures.
 //!
 //! | file | is |
 //! | --- | --- |
@@ -10,6 +10,7 @@
 //! | `shared.rs` | the class that `js/` calls |
 //! | `input.rs` | materials, draws, lights and the camera from rows of numbers |
 //! | `options.rs` | options by name |
+//! | `probes.rs` | irradiance in the air, for transparent materials |
 //! | `foreign.rs` | the page's textures as textures of wgpu |
 //! | `gbuffer.rs`, `gbuffer.wgsl` | the shader module with which cones read the G-buffer |
 //! | `error.rs` | exceptions and their codes |
@@ -21,6 +22,7 @@ pub mod error;
 pub mod gbuffer;
 pub mod input;
 pub mod options;
+pub mod probes;
 
 #[cfg(target_arch = "wasm32")]
 mod device;

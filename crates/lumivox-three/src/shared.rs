@@ -15,6 +15,7 @@ use wasm_bindgen::prelude::*;
 use crate::error::PageError;
 use crate::foreign::{Role, view};
 use crate::options::{self, Options};
+use crate::probes::Probes;
 use crate::{device, input};
 
 /// Runs when the module is loaded: panics, which are defects of this project, then name their
@@ -39,6 +40,7 @@ pub struct SharedGi {
     sources: Vec<Light>,
     map: Option<EnvironmentMap>,
     view: Option<GiView>,
+    probes: Option<Probes>,
 }
 
 /// The buffers of a geometry, which JavaScript fills.
@@ -79,6 +81,7 @@ impl SharedGi {
             sources: Vec::new(),
             map: None,
             view: None,
+            probes: None,
         })
     }
 
@@ -301,6 +304,23 @@ impl SharedGi {
         Ok(handles)
     }
 
+    /// Makes the probes at their first call. Returns their `GPUTexture` and seven numbers
+    /// (`Probes::place`).
+    pub fn probes(&mut self) -> Result<Array, JsValue> {
+        if self.probes.is_none() {
+            self.probes = Some(Probes::new(&self.gi).map_err(PageError::from)?);
+        }
+        let result = Array::new();
+        if let Some(probes) = &self.probes {
+            let texture = probes.texture().as_webgpu();
+            result.push(&texture.map_or(JsValue::UNDEFINED, |texture| texture.clone().into()));
+            for number in probes.place() {
+                result.push(&number.into());
+            }
+        }
+        Ok(result)
+    }
+
     /// Changes one of the cones' settings.
     #[wasm_bindgen(js_name = setOption)]
     pub fn set_option(&mut self, name: &str, value: &str) -> Result<(), JsValue> {
@@ -321,9 +341,15 @@ impl SharedGi {
     }
 
     /// Records and submits a frame: voxels, one bounce of their light, cones. `sky` is the radiance
-    /// of the surroundings or the factor of their picture, and their rotation (rad). Returns three
-    /// numbers: 1 if voxels are late and the frame should be repeated; voxels; faces.
-    pub fn render(&mut self, camera: &[f32], sky: &[f32]) -> Result<Vec<u32>, JsValue> {
+    /// of the surroundings or the factor of their picture, and their rotation (rad). With
+    /// `has_probes` also a turn of the probes. Returns three numbers: 1 if voxels are late and the
+    /// frame should be repeated; voxels; faces.
+    pub fn render(
+        &mut self,
+        camera: &[f32],
+        sky: &[f32],
+        has_probes: bool,
+    ) -> Result<Vec<u32>, JsValue> {
         let camera = input::camera(camera)?;
         let &[red, green, blue, rotation_rad] = sky else {
             return Err(PageError::value("the sky is four numbers").into());
@@ -343,9 +369,15 @@ impl SharedGi {
         let frame = Frame { faces_per_frame, ..Frame::new(&self.geometry, lights, settings) };
         let status = self.gi.frame(&mut recorder, frame);
         let traced = self.gi.trace(&mut recorder, view, lights);
+        let gathered = match &mut self.probes {
+            Some(probes) if has_probes => {
+                probes.record((&self.gi, lights), settings, &mut recorder)
+            }
+            _ => Ok(()),
+        };
         drop(recorder);
         self.queue.submit([encoder.finish()]);
-        let status = traced.and(status).map_err(PageError::from)?;
+        let status = traced.and(gathered).and(status).map_err(PageError::from)?;
         Ok(vec![u32::from(status.is_late), status.voxels, status.faces])
     }
 
@@ -362,7 +394,8 @@ impl SharedGi {
         let view = self.view.as_ref().map_or(0, GiView::memory);
         let map = self.map.as_ref().map_or(0, EnvironmentMap::memory);
         let meshes: u64 = self.meshes.values().map(Mesh::bytes).sum();
-        (gi + view + map + meshes) as f64
+        let probes = self.probes.as_ref().map_or(0, Probes::bytes);
+        (gi + view + map + meshes + probes) as f64
     }
 }
 

@@ -8,6 +8,7 @@ import { Console } from "./console.js";
 import { Controls } from "./controls.js";
 import { byId, h, plain, title } from "./dom.js";
 import { listenForFiles } from "./drop.js";
+import { DROPPED, take } from "./files.js";
 import { followHistogram } from "./histogram.js";
 import { listenToTools, showPanel, showSteps } from "./keys.js";
 import { showLights, showObjects } from "./lights.js";
@@ -515,6 +516,14 @@ async function turnSurroundings({ environment_intensity: factor = 1, environment
     showSurroundings({ ...opened.scene.environment, radiance: [factor, factor, factor], rotation_deg });
 }
 
+/** The files that were dropped on the first page, which opened this one. */
+async function droppedBefore() {
+    if (location.search !== DROPPED) return [];
+    // They are gone after a reload.
+    history.replaceState(null, "", location.pathname + location.hash);
+    return (await attempt(take())) ?? [];
+}
+
 async function start() {
     byId("scale", HTMLInputElement).value = String(usualScale);
     // Hide the panel on phones.
@@ -555,7 +564,9 @@ async function start() {
         split.show(linked.split);
         void attempt(ask("split", linked.split));
     }
-    await open(linked.scene ?? `builtin:${catalogue.scenes[0].name}`, linked.camera, linked.environment);
+    const dropped = await droppedBefore();
+    if (dropped.length > 0) await open(dropped);
+    if (!opened) await open(linked.scene ?? `builtin:${catalogue.scenes[0].name}`, linked.camera, linked.environment);
     if (linked.environment !== undefined) await turnSurroundings(linked);
     // Fall back to a built-in scene if the link's fails.
     if (!opened && linked.scene !== undefined) await open(`builtin:${catalogue.scenes[0].name}`);

@@ -149,9 +149,10 @@ async function step(way) {
 const outcome = async () => ({ settings: await renderer.settings(), voxels: (await renderer.scene())?.voxels });
 
 const calls = {
-    /** @param {{ canvas: OffscreenCanvas }} data */
-    async start({ canvas }) {
-        await init();
+    /** The page may have compiled the package already.
+     * @param {{ canvas: OffscreenCanvas, module?: WebAssembly.Module }} data */
+    async start({ canvas, module }) {
+        await init(module && { module_or_path: module });
         renderer = await createRenderer(canvas);
         // For the browser's developer tools.
         Object.assign(self, { renderer });
@@ -205,6 +206,10 @@ const calls = {
     /** @param {number} milliseconds */
     async budget(milliseconds) {
         await renderer.setFrameBudget(milliseconds);
+    },
+    /** @param {boolean} timed whether reports of frames have the times of stages */
+    async timed(timed) {
+        await renderer.setTimed(timed);
     },
     /** @param {Split | null} split */
     async split(split) {

@@ -20,6 +20,7 @@ Examples:
   lumivox bench
   lumivox bench -o bench.md --json bench.json
   lumivox bench --quick
+  lumivox bench --import lumivox-*.json
   lumivox bench --scene hall.glb --resolutions 256 --sizes 1920x1080 --presets high
 ";
 
@@ -72,6 +73,12 @@ pub struct BenchArgs {
     /// report in Markdown [default: none]
     #[arg(long, value_name = "FILE|-", help_heading = "Report")]
     pub json: Option<PathBuf>,
+
+    /// Measure nothing: check results that visitors of the page exported, and print a table by GPU,
+    /// milliseconds a frame in Markdown [default: none]
+    #[arg(long, value_name = "FILE", num_args = 1.., help_heading = "Report")]
+    #[arg(conflicts_with_all = ["output", "json", "quick", "scenes", "volumes", "resolutions", "presets", "sizes", "cache"])]
+    pub import: Vec<PathBuf>,
 
     /// Measure only the small part of the standard cases: 64 voxels, 640x360; of these on a software
     /// driver only the Cornell box with preset fast [default: off]

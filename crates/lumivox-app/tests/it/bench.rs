@@ -132,5 +132,9 @@ fn invalid_benchmark_options_are_refused() {
     expect_error(path, "bench --frames 2", INPUT, &["--frames", "3"]);
     expect_error(path, "bench --resolutions 20", INPUT, &["multiple of 8"]);
     expect_error(path, "bench --volumes tree", USAGE, &["dense", "octree"]);
+    expect_error(path, "bench --import none.json", INPUT, &["none.json", "check the path"]);
+    fs::write(path.join("other.json"), "[1]").unwrap();
+    expect_error(path, "bench --import other.json", INPUT, &["other.json", "line 1", "page"]);
+    expect_error(path, "bench --quick --import other.json", USAGE, &["--import", "--quick"]);
     expect_error(path, "bench --adapter none-of-that-name", GPU, &["none-of-that-name"]);
 }

@@ -20,18 +20,21 @@ before(async () => {
         await filesOf(await webpack(join(folder, "cornell"), "inlined.js"), "inlined"),
         await filesOf(await webpack(join(folder, "forms"), "forms.js", "development"), "forms"),
         await filesOf(await vite(join(folder, "example")), "hall"),
+        await filesOf(await vite(join(folder, "react")), "react"),
     ];
     session = await Session.start();
     await session.serve(bundles.flat());
 });
 after(() => session?.end());
 
-// The WebAssembly is the same in all bundles, so only one of them renders.
-for (const [name, what, end, said] of [
+/** The WebAssembly is the same in all bundles, so only one of them renders.
+ * @type {[string, string, string, string | RegExp][]} */
+const BUNDLES = [
     ["vite", "Vite bundles the package, and its page shows the scene", "", "cornell: 40 triangles"],
     ["webpack", "webpack bundles the package, whose WebAssembly answers", "#init", /^\d+ scenes/],
     ["inlined", "webpack bundles the entry with inlined WebAssembly, which answers", "#init", /^\d+ scenes/],
-]) {
+];
+for (const [name, what, end, said] of BUNDLES) {
     test(what, async () => {
         const app = await App.open(session, { path: `${name}/index.html${end}` });
         await app.page.locator("p").getByText(said).waitFor({ timeout: COMPILED_MS });
@@ -106,6 +109,15 @@ describe("scenes of three.js whose light is known, in a bundle of webpack", () =
         isNear((await light("ownMap"))[0], 1, 0.1);
     });
 
+    test("probes light transparent things from all sides", async () => {
+        const { room, toX, toZ, fromX } = await light("air");
+        console.log(`in the air: room ${room}; half a sky: ${toX} ${toZ} ${fromX}`);
+        isNear(room, 1, 0.06);
+        isNear(toX, 0.5, 0.06);
+        isNear(toZ, 0.25, 0.1);
+        assert.ok(fromX < 0.02, `${fromX}`);
+    });
+
     test("the page's own velocity stays", async () => {
         const [x] = await light("velocity");
         console.log(`velocity: ${x}`);
@@ -142,3 +154,46 @@ test("the example shows its hall", async () => {
     await app.check();
     await app.close();
 });
+
+test("LumivoxGi lights a canvas of react-three-fiber, follows its props, and can be taken away", async () => {
+    const app = await App.open(session, { path: "react/index.html" });
+    await app.page.waitForFunction(() => document.documentElement.dataset.state, undefined, { timeout: COMPILED_MS });
+    assert.equal(await app.page.evaluate(() => document.documentElement.dataset.state), "ready");
+    // Fiber itself uses what three.js has deprecated.
+    assert.deepEqual(app.messages.take().filter((text) => !/THREE\.Clock|PCFSoftShadowMap/.test(text)), []);
+    /** Waits until the middle of the canvas has a radiance. @param {number} exact */
+    const shows = async (exact) => {
+        let red = Number.NaN;
+        for (let tries = 0; tries < 40; tries += 1) {
+            red = await middle(app);
+            if (Math.abs(red / exact - 1) < 0.08) return;
+            await app.page.waitForTimeout(250);
+        }
+        assert.fail(`the room has a radiance of ${red}, not ${exact}`);
+    };
+    /** @param {string} name @param {unknown} value */
+    const set = (name, value) => app.page.evaluate(([name, value]) => /** @type {any} */ (globalThis)[String(name)](value), [name, value]);
+    await shows(0.8);
+    await set("setBright", false);
+    await shows(0.2);
+    await app.page.evaluate(() => void Object.assign(globalThis, { first: /** @type {any} */ (globalThis).gi }));
+    await set("setCones", 12);
+    await shows(0.2);
+    assert.ok(await app.page.evaluate(() => /** @type {any} */ (globalThis).first === /** @type {any} */ (globalThis).gi), "a setting of the cones made the light again");
+    await set("setThere", false);
+    await shows(0.1);
+    await app.check();
+    await app.close();
+});
+
+/** Linear red in the middle of a page's canvas. @param {App} app */
+async function middle(app) {
+    const file = await app.page.locator("canvas").screenshot();
+    return app.page.evaluate(async (base64) => {
+        const image = await createImageBitmap(await (await fetch(`data:image/png;base64,${base64}`)).blob());
+        const context = new OffscreenCanvas(1, 1).getContext("2d");
+        context?.drawImage(image, -(image.width >> 1), -(image.height >> 1));
+        const value = (context?.getImageData(0, 0, 1, 1).data[0] ?? 0) / 255;
+        return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
+    }, file.toString("base64"));
+}

@@ -39,7 +39,7 @@ test("right uses of the package compile, and wrong ones do not", async () => {
 
 test("right uses of lumivox/three compile, and wrong ones do not", async () => {
     const three = (/** @type {string} */ name) => join(here, "node_modules/@types/three/build", name);
-    const paths = { "lumivox/three": [join(page(), "lumivox/three/index.d.ts")], "three/webgpu": [three("three.webgpu.d.ts")], "three/tsl": [three("three.tsl.d.ts")] };
+    const paths = { "lumivox/three": [join(page(), "lumivox/three/index.d.ts")], "lumivox/react": [join(page(), "lumivox/three/react.d.ts")], react: [join(here, "node_modules/@types/react/index.d.ts")], "three/webgpu": [three("three.webgpu.d.ts")], "three/tsl": [three("three.tsl.d.ts")] };
     const options = { lib: ["esnext", "dom", "dom.iterable"], types: [webgpu], paths, skipLibCheck: true };
     assert.equal(await compile(options, [join(here, "types/three.ts")]), "");
 });

@@ -355,7 +355,7 @@ impl Gi {
         if bounces > 0 {
             self.link_cones(settings.resolution, settings.temporal)?;
             self.lighting.expect_bounces(&self.device, has_emitters, in_frames);
-            self.tracer.expect(&self.device, has_emitters);
+            self.tracer.expect(&self.device, has_emitters, settings.specular);
         }
         Ok(())
     }

@@ -231,9 +231,10 @@ impl Tracer {
     }
 
     /// Queues for compilation the kernels that geometry with or without emitters needs.
-    pub(crate) fn expect(&self, device: &Pipelines, has_emitters: bool) {
+    pub(crate) fn expect(&self, device: &Pipelines, has_emitters: bool, has_reflections: bool) {
         let edges = self.edges.get().into_iter().flatten();
-        for kernel in [&self.diffuse, &self.specular].into_iter().chain(edges) {
+        let specular = has_reflections.then_some(&self.specular);
+        for kernel in [&self.diffuse].into_iter().chain(specular).chain(edges) {
             kernel.expect(device, has_emitters);
         }
         let mean = self.mean_kernels.get().into_iter();
@@ -333,8 +334,11 @@ impl Tracer {
             recorder.clear(&slot.glossy_tiles.counts);
             self.glossy.run(recorder, &unlit(&slot.glossy), [x, y, 1]);
             self.count_tiles.run(recorder, &[&slot.glossy_tiles.count], [1, 1, 1]);
-            let specular = self.specular.variant(has_emitters);
-            slot.glossy_tiles.run(recorder, specular, &group(&slot.specular));
+            // Without reflections no tile is glossy, and the kernel is not compiled.
+            if settings.specular_share > 0.0 {
+                let specular = self.specular.variant(has_emitters);
+                slot.glossy_tiles.run(recorder, specular, &group(&slot.specular));
+            }
             if shares != 0 || temporal.is_some() {
                 let groups = unlit(&slot.share_reflections);
                 slot.glossy_tiles.run(recorder, &self.share_reflections, &groups);

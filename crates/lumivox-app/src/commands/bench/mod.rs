@@ -7,6 +7,7 @@ mod motion;
 mod page;
 mod plan;
 mod report;
+mod visitors;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -31,12 +32,15 @@ const PUBLISHED: &str = include_str!("published.json");
 /// The scene on which clocks are compared.
 const CLOCK_SCENE: &str = "cornell";
 
-/// Measures, and writes the reports.
+/// Measures, and writes the reports; or imports results of the page.
 ///
 /// # Errors
 /// When a scene cannot be read, there is no GPU, or a file cannot be written. A case that cannot be
 /// measured is not an error: its row has the reason.
 pub fn run(args: &BenchArgs, host: &Host) -> anyhow::Result<()> {
+    if !args.import.is_empty() {
+        return host.print(&visitors::table(&args.import)?);
+    }
     for source in &args.scenes {
         scene::check(source)?;
     }

@@ -45,12 +45,12 @@ export class App {
         this.messages = messages;
     }
 
-    /** Opens the page in a tab of its own context.
+    /** Opens the viewer, or another page, in a tab of its own context.
      * @param {Session} session
      * @param {{ link?: string, path?: string, context?: ContextOptions,
      *   before?: (page: Page) => Promise<unknown> }} options
      *   `before` may prepare the tab */
-    static async open(session, { link = "", path = "", context = {}, before } = {}) {
+    static async open(session, { link = "", path = "viewer.html", context = {}, before } = {}) {
         const tab = await session.browser.newContext({ viewport: VIEWPORT, ...context });
         const page = await tab.newPage();
         page.setDefaultTimeout(LONGEST_MS);

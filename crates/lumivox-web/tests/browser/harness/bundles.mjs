@@ -22,7 +22,7 @@ export async function project() {
     const [{ filename }] = JSON.parse(stdout);
     await mkdir(join(folder, "node_modules/lumivox"), { recursive: true });
     await run("tar", ["-xzf", join(folder, filename), "-C", join(folder, "node_modules/lumivox"), "--strip-components=1"]);
-    await symlink(join(installed, "three"), join(folder, "node_modules/three"), "junction");
+    for (const name of ["three", "react", "react-dom", "@react-three"]) await symlink(join(installed, name), join(folder, "node_modules", name), "junction");
     await cp(join(here, "bundled"), folder, { recursive: true });
     await cp(example, join(folder, "example"), { recursive: true });
     await writeFile(join(folder, "package.json"), JSON.stringify({ private: true, type: "module" }));

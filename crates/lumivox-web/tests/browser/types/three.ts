@@ -2,6 +2,7 @@
 
 import { PerspectiveCamera, RenderPipeline, Scene, WebGPURenderer } from "three/webgpu";
 import { pass } from "three/tsl";
+import { LumivoxGi, type LumivoxGiProps } from "lumivox/react";
 import { createDevice, createGi, type Gi, type LumivoxError } from "lumivox/three";
 
 const renderer = new WebGPURenderer({ device: await createDevice({ powerPreference: "high-performance" }) });
@@ -23,3 +24,8 @@ createGi(renderer, { scene, camera, preset: "best" });
 createGi(renderer, { scene });
 // @ts-expect-error: its textures are made once
 gi.set("temporal", true);
+
+const props: LumivoxGiProps = { resolution: 64, cones: 12, passOptions: { samples: 4 }, onReady: (gi) => gi.cut(), onError: ({ code }) => console.log(code) };
+LumivoxGi(props);
+// @ts-expect-error: the canvas has the scene
+LumivoxGi({ scene });

@@ -121,6 +121,32 @@ const forms = {
         const sheet = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), new THREE.MeshBasicMaterial({ color: 0x0000ff, transparent: true }));
         return during([wall(0), sheet], () => picture(8)).finally(() => sheet.material.dispose());
     },
+    /** Transparent walls outside the voxels, lit by probes: in the furnace, and under a sky
+     * that is bright towards +x, facing +x, -z and -x. */
+    async air() {
+        const clear = (turn) => {
+            const made = wall(turn, new THREE.Color(0.5, 0.5, 0.5));
+            Object.assign(made.material, { transparent: true });
+            made.userData.gi = false;
+            const normal = new THREE.Vector3(0, 0, 1).applyAxisAngle(new THREE.Vector3(0, 1, 0), turn);
+            look(normal.multiplyScalar(0.5).toArray(), [0, 0, 0]);
+            return made;
+        };
+        const room = new THREE.Mesh(new THREE.BoxGeometry(2, 2, 2), matte({ color: new THREE.Color(0.5, 0.5, 0.5), emissive: 0xffffff, side: THREE.BackSide }));
+        const inside = clear(0.3);
+        inside.scale.setScalar(0.6);
+        const seen = { room: (await during([room, inside], () => picture()))[0] };
+        const sky = halfSky(0, 1);
+        for (const [name, turn] of [["toX", Math.PI / 2], ["toZ", Math.PI], ["fromX", -Math.PI / 2]]) {
+            const made = clear(turn);
+            scene.environmentRotation.y = 0;
+            seen[name] = await during([made], async () => {
+                await withSky(sky);
+                return (await picture(8))[0];
+            });
+        }
+        return seen;
+    },
     /** A metal wall with its own environment map, in a scene without one. */
     async ownMap() {
         look([0, 0, 0.5], [0, 0, 0]);
