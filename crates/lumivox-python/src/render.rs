@@ -356,8 +356,8 @@ impl Renderer {
         Ok(state)
     }
 
-    /// Renders until the mean has this number of frames; all frames of the settings include those that
-    /// wait for late voxels and geometry.
+    /// Renders until the mean has this number of frames. If these are all frames of the settings,
+    /// it also waits for late voxels and geometry.
     fn picture(
         &self,
         state: &mut State,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import traceback
+from collections.abc import Callable
 from typing import Any
 
 import bpy
@@ -14,6 +15,7 @@ from .properties import box_of, settings_of
 from .session import Session
 from .translate import Reader
 from .translate.camera import View, of_object, of_region
+from .translate.scene import key_of
 from .units import place
 from .viewport import Request, Viewport
 
@@ -38,11 +40,16 @@ class _Kept:
             self.session, self.reader = Session(), Reader()
         return self.session, self.reader
 
-    def drop(self, *_: Any) -> None:
+    def drop(self) -> None:
         self.session = self.reader = None
 
 
 KEPT = _Kept()
+
+
+@bpy.app.handlers.persistent
+def _drop(*_: Any) -> None:
+    KEPT.drop()
 
 
 def explain(error: Exception) -> str:
@@ -93,7 +100,16 @@ class LumivoxEngine(bpy.types.RenderEngine):
                 traceback.print_exc()
             # The state on the device may be half of another scene's.
             KEPT.drop()
-            self.error_set(explain(error))
+            self._fail(depsgraph, explain(error))
+
+    def _fail(self, depsgraph: Any, message: str) -> None:
+        """Ends a render that has failed with a message; its picture is empty, since Blender takes
+        none for granted."""
+        size = picture_size(depsgraph.scene.render)
+        result = self.begin_result(0, 0, *size, layer=depsgraph.view_layer_eval.name)
+        self.end_result(result)
+        self.error_set(message)
+        self.report({"ERROR"}, message)
 
     def _render(self, depsgraph: Any) -> None:
         scene = depsgraph.scene
@@ -108,7 +124,7 @@ class LumivoxEngine(bpy.types.RenderEngine):
         data = reader.read(depsgraph)
         view = _camera_view(scene, depsgraph)
         settings = settings_of(scene, False)
-        layers = passes.layers(asked, is_transparent)
+        layers = passes.layers(asked)
 
         def progress(stage: str, done: float, total: int) -> None:
             self.update_stats("", f"Lumivox: {stage}")
@@ -121,8 +137,11 @@ class LumivoxEngine(bpy.types.RenderEngine):
         result = self.begin_result(0, 0, view.width, view.height, layer=view_layer.name)
         is_cancelled = True
         try:
-            picture = self._refined(session, view, settings["frames"], progress, result, is_transparent)
-            _put(result, "Combined", passes.combined(picture, view, is_transparent))
+            def put(picture: Any) -> None:
+                _put(result, "Combined", passes.combined(picture, view, data.world, is_transparent))
+
+            picture = self._refined(session, view, settings["frames"], progress, result, put)
+            put(picture)
             middles = None
             if any(known.is_of_middle for known in asked):
                 middles = session.samples_of_pixels(view, progress)
@@ -143,7 +162,7 @@ class LumivoxEngine(bpy.types.RenderEngine):
         frames: int,
         progress: Any,
         result: Any,
-        is_transparent: bool,
+        put: Callable[[Any], None],
     ) -> Any:
         """The picture with all its frames; in the window it gets better while it is made."""
         if bpy.app.background:
@@ -155,7 +174,7 @@ class LumivoxEngine(bpy.types.RenderEngine):
             done, step, camera = done + step, done + step, None
             if done >= frames:
                 return picture
-            _put(result, "Combined", passes.combined(picture, view, is_transparent))
+            put(picture)
             self.update_result(result)
 
     def _neighbours(
@@ -219,6 +238,8 @@ class LumivoxEngine(bpy.types.RenderEngine):
 def status_of(session: Session, picture: Any, view: View) -> status.Status:
     """What panels tell about a picture."""
     renderer = session.renderer
+    if renderer is None:
+        return status.Status(notes=session.data.notes if session.data else ())
     return status.Status(
         adapter=renderer.adapter,
         voxels=renderer.voxels,
@@ -278,7 +299,7 @@ def _matrices(depsgraph: Any) -> dict[tuple[Any, ...], Any]:
     found: dict[tuple[Any, ...], Any] = {}
     for item in depsgraph.object_instances:
         if item.show_self and item.object.type != "LIGHT":
-            key = (item.object.name_full, *(item.persistent_id if item.is_instance else ()))
+            key = key_of(item)
             matrix = place(item.matrix_world)
             for slot in range(max(1, len(item.object.material_slots))):
                 found[*key, slot] = matrix
@@ -294,15 +315,15 @@ def _put(result: Any, name: str, pixels: np.ndarray) -> None:
 
 def register() -> None:
     bpy.utils.register_class(LumivoxEngine)
-    bpy.app.handlers.render_complete.append(KEPT.drop)
-    bpy.app.handlers.render_cancel.append(KEPT.drop)
-    bpy.app.handlers.load_pre.append(KEPT.drop)
+    bpy.app.handlers.render_complete.append(_drop)
+    bpy.app.handlers.render_cancel.append(_drop)
+    bpy.app.handlers.load_pre.append(_drop)
 
 
 def unregister() -> None:
     for handlers in ("render_complete", "render_cancel", "load_pre"):
         known = getattr(bpy.app.handlers, handlers)
-        if KEPT.drop in known:
-            known.remove(KEPT.drop)
+        if _drop in known:
+            known.remove(_drop)
     KEPT.drop()
     bpy.utils.unregister_class(LumivoxEngine)

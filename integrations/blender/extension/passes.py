@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from . import model
+from . import backdrop, model
 from .translate.camera import View
 from .units import LUMENS_PER_WATT, from_lumivox
 
@@ -57,22 +57,22 @@ def wanted(view_layer: Any) -> list[Pass]:
     return [known for known in PASSES if getattr(view_layer, known.wish)]
 
 
-def layers(asked: list[Pass], is_transparent: bool) -> set[str]:
-    """The layers that passes need, and the combined pass."""
-    names = {layer for known in asked for layer in known.layers}
-    return names | {"depth"} | ({"direct", "indirect"} if is_transparent else set())
+def layers(asked: list[Pass]) -> set[str]:
+    """The layers that passes need, and the notes on voxels."""
+    return {layer for known in asked for layer in known.layers} | {"depth"}
 
 
-def combined(picture: Any, view: View, is_transparent: bool) -> np.ndarray:
+def combined(picture: Any, view: View, world: model.World, is_transparent: bool) -> np.ndarray:
     """Radiance in Blender's units with alpha, (H, W, 4) from the top."""
     pixels = np.ones((view.height, view.width, 4), np.float32)
+    light = view.cut(picture.radiance)
     if is_transparent:
-        # Both are zero in the background, so that their mean is multiplied by the coverage.
-        parts = picture.layers["direct"] + picture.layers["indirect"]
-        pixels[..., :3] = view.cut(parts) / LUMENS_PER_WATT
-        pixels[..., 3] = view.cut(picture.coverage)
-    else:
-        pixels[..., :3] = view.cut(picture.radiance) / LUMENS_PER_WATT
+        coverage = view.cut(picture.coverage)[..., None]
+        # Colours are multiplied by alpha: only what surfaces send stays.
+        light = light - (1.0 - coverage) * backdrop.radiance(view, world)
+        light = np.where(coverage > 0.0, np.maximum(light, 0.0), 0.0)
+        pixels[..., 3:] = coverage
+    pixels[..., :3] = light / LUMENS_PER_WATT
     return pixels
 
 
@@ -153,7 +153,8 @@ def voxel_share(picture: Any, view: View, voxel_m: float) -> float:
     """The edge of a voxel in the median of what is seen, as a share of the picture's height."""
     distance = view.cut(picture.layers["depth"])
     coverage = view.cut(picture.coverage)
-    seen = coverage > 0.5
+    # The first frame has more samples of the coverage than of the distance.
+    seen = (coverage > 0.5) & (distance > 0.0)
     if not seen.any():
         return 0.0
     middle = float(np.median(distance[seen] / coverage[seen]))

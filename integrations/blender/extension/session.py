@@ -9,15 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from . import changes, glb, model
+from . import backdrop, changes, glb, model
 from .changes import Change
 from .translate.camera import View
 from .units import nits
 
 Box = tuple[tuple[float, ...], tuple[float, ...]]
 Progress = Callable[[str, float, int], object]
-#: The box of an empty scene, m.
-_EMPTY = ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
 
 
 class Session:
@@ -33,6 +31,7 @@ class Session:
         self._layers: frozenset[str] = frozenset()
         self._box: Box | None = None
         self._grid: Box | None = None
+        self._view: View | None = None
 
     def show(
         self,
@@ -52,9 +51,13 @@ class Session:
         change = changes.between(self.data, data)
         if self.renderer is None or not wanted <= self._layers or box != self._box:
             change = Change.SCENE
-        # What follows may be stopped half way.
+        # This may be stopped half way.
         before, self.data = self.data, None
-        if change == Change.SCENE:
+        if not data.instances:
+            # Lumivox takes no scene without surfaces.
+            self.renderer = self.scene = None
+            self._layers, self._box = wanted, box
+        elif change == Change.SCENE:
             self._build(data, wanted, view, settings, box, progress)
         else:
             if change > Change.NOTHING:
@@ -73,15 +76,23 @@ class Session:
 
     def picture(self, view: View, progress: Progress | None = None) -> Any:
         """A picture with all frames of the settings."""
+        if self.renderer is None:
+            return self._without_surfaces(view)
         return self.renderer.render(_camera(view), progress)
 
     def refine(self, frames: int, view: View | None, progress: Progress | None = None) -> Any:
         """The last picture with more frames; with a view, the first frames of a new one."""
+        if view is not None:
+            self._view = view
+        if self.renderer is None:
+            return self._without_surfaces(self._view)
         camera = None if view is None else _camera(view)
         return self.renderer.refine(frames, camera, progress)
 
     def samples_of_pixels(self, view: View, progress: Progress | None = None) -> Any:
         """A picture of one frame, whose layers are those of the middles of pixels."""
+        if self.renderer is None:
+            return self._without_surfaces(view)
         frames = self._settings.get("frames", 16)
         self.renderer.set_settings(progress=progress, frames=1)
         try:
@@ -89,12 +100,9 @@ class Session:
         finally:
             self.renderer.set_settings(frames=frames)
 
-    def save(self, path: str, view: View | None) -> None:
-        """Writes the scene as GLB, with the camera if there is one."""
-        saved = self.scene.copy()
-        if view is not None:
-            saved.cameras = (_camera(view),)
-        saved.save(path)
+    def _without_surfaces(self, view: View) -> Any:
+        assert self.data is not None
+        return backdrop.picture(view, self.data.world, self._layers)
 
     def _build(
         self,
@@ -108,7 +116,7 @@ class Session:
         self.renderer = self.scene = None
         self._layers, self._box = layers, box
         self.scene = load(data, progress)
-        self._grid = box or (self.scene.bounds if data.instances else _EMPTY)
+        self._grid = box or self.scene.bounds
         self._start(view, settings, progress)
 
     def _start(self, view: View, settings: Mapping[str, Any], progress: Progress | None) -> None:

@@ -124,7 +124,7 @@ class Viewport:
         from .engine import status_of
 
         wanted = int(request.settings.get("frames", 16))
-        layers = passes.layers([], request.is_transparent)
+        layers = passes.layers([])
         for divisor in self._steps(request.view):
             view = request.view.scaled(divisor)
             self._session.show(
@@ -138,7 +138,9 @@ class Viewport:
                 took = (time.perf_counter() - begun) / step
                 self._pixel_s = took / (view.canvas[0] * view.canvas[1])
                 done, step, camera = done + step, done + step, None
-                pixels = passes.combined(picture, view, request.is_transparent)
+                pixels = passes.combined(
+                    picture, view, request.data.world, request.is_transparent
+                )
                 self.latest = Shown(
                     pixels, done, wanted, status_of(self._session, picture, view)
                 )

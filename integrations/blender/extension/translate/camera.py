@@ -15,7 +15,7 @@ import numpy as np
 from ..units import direction
 
 #: An orthographic camera is shown as one at this multiple of its picture's size.
-FAR = 50.0
+FAR = 500.0
 
 
 @dataclass(frozen=True)

@@ -66,8 +66,8 @@ def lamp(name: str, light: Any, matrix: np.ndarray, notes: Notes) -> dict[str, A
         }
     radius = light.shadow_soft_size
     if not light.normalize and radius > 0.0:
-        # The strength is that of a square metre of the sphere's outline.
-        brightest *= math.pi * radius**2
+        # The strength is that of a square metre of the sphere.
+        brightest *= 4.0 * math.pi * radius**2
     fields |= {
         "intensity": candela(brightest),
         "position": tuple(direction(matrix[:3, 3]).tolist()),

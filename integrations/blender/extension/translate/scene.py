@@ -84,7 +84,7 @@ class Reader:
                 continue
             thing = item.object
             matrix = np.array(item.matrix_world)
-            key = (thing.name_full, *(tuple(item.persistent_id) if item.is_instance else ()))
+            key = key_of(item)
             if thing.type == "LIGHT":
                 if thing.data.type != "AREA":
                     lamp = lights.lamp(thing.name, thing.data, matrix, notes)
@@ -161,6 +161,13 @@ class Reader:
             finally:
                 thing.to_mesh_clear()
         return self._meshes[key]
+
+
+def key_of(item: Any) -> tuple[Any, ...]:
+    """What tells an instance of a depsgraph from others, in all frames."""
+    if not item.is_instance:
+        return (item.object.name_full,)
+    return (item.object.name_full, item.parent.name_full, *item.persistent_id)
 
 
 def _is_invertible(matrix: model.Matrix) -> bool:

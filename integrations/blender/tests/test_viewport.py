@@ -1,0 +1,147 @@
+"""What a viewport shows, when, and what its thread does about changes; without a window."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+import scenes
+from conftest import SMALL, read
+from extension.changes import Change
+from extension.session import Session
+from extension.viewport import Request, Viewport
+
+PREVIEW = {**SMALL, "frames": 8}
+
+
+def until(condition: Callable[[], Any], limit_s: float = 30.0) -> Any:
+    end = time.monotonic() + limit_s
+    while time.monotonic() < end:
+        if result := condition():
+            return result
+        time.sleep(0.01)
+    raise AssertionError(f"not within {limit_s} s")
+
+
+@pytest.fixture
+def viewport() -> Any:
+    made = Viewport(Session(), explain=str)
+    yield made
+    made.close()
+    made.join(20.0)
+
+
+def ask(viewport: Viewport, settings: Any = PREVIEW) -> bool:
+    data, view = read()
+    return viewport.ask(Request(data, view, settings))
+
+
+def complete(viewport: Viewport) -> Any:
+    def done() -> Any:
+        shown = viewport.latest
+        return shown if shown and shown.frames == shown.wanted and shown.wanted else None
+
+    return until(done)
+
+
+def test_a_picture_gets_better_until_it_is_complete(box: Any, viewport: Viewport) -> None:
+    viewport._pixel_s = 1.0
+    seen = []
+    assert ask(viewport)
+    while not seen or seen[-1].frames < 8 or seen[-1].pixels.shape[0] < 24:
+        last = seen[-1] if seen else None
+        shown = until(lambda: viewport.latest if viewport.latest is not last else None)
+        seen.append(shown)
+    # First a coarse one, then the whole picture with more and more frames.
+    assert seen[0].pixels.shape[0] < 24
+    frames = [shown.frames for shown in seen if shown.pixels.shape[0] == 24]
+    assert frames == sorted(frames) and frames[-1] == 8
+    # The same request again does nothing.
+    assert not ask(viewport)
+    # It is the picture of a render.
+    data, view = read()
+    session = Session()
+    session.show(data, view, PREVIEW, ["depth"])
+    expected = session.picture(view).radiance / 683.0
+    np.testing.assert_allclose(seen[-1].pixels[..., :3], expected, rtol=1e-5)
+
+
+def test_edits_do_not_load_the_scene_again(box: Any, viewport: Viewport) -> None:
+    ask(viewport)
+    complete(viewport)
+    renderer = viewport._session.renderer
+    before = viewport.latest.pixels
+    for edit in ("transform", "light", "camera", "world", "material"):
+        if edit == "transform":
+            bpy.data.objects["box"].location.x += 0.2
+        elif edit == "light":
+            bpy.data.objects["lamp"].data.energy *= 1.5
+        elif edit == "camera":
+            bpy.context.scene.camera.location.x += 0.2
+        elif edit == "world":
+            node = bpy.context.scene.world.node_tree.nodes["Background"]
+            node.inputs["Color"].default_value = (0.3, 0.2, 0.1, 1.0)
+        else:
+            inputs = scenes._principled(bpy.data.materials["red"]).inputs
+            inputs["Base Color"].default_value = (0.1, 0.1, 0.7, 1.0)
+        bpy.context.view_layer.update()
+        old = viewport.latest
+        assert ask(viewport), edit
+        until(lambda: viewport.latest is not old)
+        shown = complete(viewport)
+        assert viewport._session.last_change < Change.SCENE, edit
+        assert viewport._session.renderer is renderer, edit
+        assert not np.array_equal(shown.pixels, before), edit
+        before = shown.pixels
+
+
+def test_only_the_newest_request_counts(box: Any, viewport: Viewport) -> None:
+    ask(viewport, {**PREVIEW, "frames": 4096})
+    until(lambda: viewport.latest)
+    for step in range(20):
+        bpy.context.scene.camera.location.x += 0.02
+        bpy.context.view_layer.update()
+        assert ask(viewport, PREVIEW)
+    shown = complete(viewport)
+    data, view = read()
+    session = Session()
+    session.show(data, view, PREVIEW, ["depth"])
+    np.testing.assert_allclose(shown.pixels[..., :3], session.picture(view).radiance / 683.0, rtol=1e-5)
+
+
+def test_errors_are_shown_and_forgotten(box: Any, viewport: Viewport) -> None:
+    ask(viewport, {**PREVIEW, "resolution": 17})
+    error = until(lambda: viewport.latest and viewport.latest.error)
+    assert "resolution" in error
+    ask(viewport)
+    assert complete(viewport).error == ""
+
+
+def test_a_closed_viewport_ends_its_thread(box: Any, viewport: Viewport) -> None:
+    ask(viewport, {**PREVIEW, "frames": 60000})
+    until(lambda: viewport.latest)
+    viewport.close()
+    viewport.join(20.0)
+    assert not viewport._thread.is_alive()
+    assert not ask(viewport)
+
+
+def test_the_first_lit_picture_comes_within_seconds(viewport: Viewport) -> None:
+    """Of the window's usual size, with the viewport's own settings; the goal is 5 s on two cores.
+    The time of the processor, since other programs may run."""
+    from extension.properties import settings_of
+
+    scenes.materials()
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = 960, 540
+    begun = time.process_time()
+    ask(viewport, settings_of(scene, True))
+    shown = until(lambda: viewport.latest, 120.0)
+    took = time.process_time() - begun
+    assert shown.error == "" and shown.pixels[..., :3].mean() > 0.1
+    assert took < 2 * 5.0, took
