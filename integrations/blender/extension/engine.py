@@ -74,11 +74,17 @@ class LumivoxEngine(bpy.types.RenderEngine):
     bl_use_postprocess = True
 
     _viewport: Viewport | None = None
+    _data: Any = None
+    _box: Any = None
+    _texture: Any = None
 
     def __del__(self) -> None:
-        viewport = getattr(self, "_viewport", None)
-        if viewport is not None:
-            viewport.close()
+        if self._viewport is not None:
+            self._viewport.close()
+        # Blender 5.1 and newer free the engine there.
+        end = getattr(super(), "__del__", None)
+        if end is not None:
+            end()
 
     # --- renders ---
 
@@ -208,6 +214,7 @@ class LumivoxEngine(bpy.types.RenderEngine):
         self._ask(context, depsgraph)
 
     def view_draw(self, context: Any, depsgraph: Any) -> None:
+        # Not at the top: Blender has no GPU module for drawing in the background.
         from . import draw
 
         self._ask(context, depsgraph)
@@ -220,10 +227,12 @@ class LumivoxEngine(bpy.types.RenderEngine):
         else:
             self.update_stats("", f"Lumivox: {shown.frames} of {shown.wanted} frames")
             status.set_of(scene.name, shown.status)
-        self._texture = draw.picture(self, scene, context.region, shown, getattr(self, "_texture", None))
+        self._texture = draw.picture(self, scene, context.region, shown, self._texture)
 
     def _ask(self, context: Any, depsgraph: Any) -> None:
         """Asks for the view as it is now, if it has changed."""
+        if self._viewport is None or self._data is None:
+            return
         region = context.region
         size = (max(region.width, 1), max(region.height, 1))
         space = context.space_data

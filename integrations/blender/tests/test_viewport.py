@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
 import numpy as np
 import pytest
+from mathutils import Matrix
 
+import extension
 import scenes
-from conftest import SMALL, read
+from conftest import SMALL, read, shown
 from extension.changes import Change
+from extension.engine import LumivoxEngine
+from extension.properties import settings_of
 from extension.session import Session
 from extension.viewport import Request, Viewport
 
@@ -61,7 +67,7 @@ def test_a_picture_gets_better_until_it_is_complete(box: Any, viewport: Viewport
     assert seen[0].pixels.shape[0] < 24
     frames = [shown.frames for shown in seen if shown.pixels.shape[0] == 24]
     assert frames == sorted(frames) and frames[-1] == 8
-    # The same request again does nothing.
+    # Asking again changes nothing.
     assert not ask(viewport)
     # It is the picture of a render.
     data, view = read()
@@ -93,11 +99,11 @@ def test_edits_do_not_load_the_scene_again(box: Any, viewport: Viewport) -> None
         old = viewport.latest
         assert ask(viewport), edit
         until(lambda: viewport.latest is not old)
-        shown = complete(viewport)
+        seen = complete(viewport)
         assert viewport._session.last_change < Change.SCENE, edit
         assert viewport._session.renderer is renderer, edit
-        assert not np.array_equal(shown.pixels, before), edit
-        before = shown.pixels
+        assert not np.array_equal(seen.pixels, before), edit
+        before = seen.pixels
 
 
 def test_only_the_newest_request_counts(box: Any, viewport: Viewport) -> None:
@@ -107,11 +113,11 @@ def test_only_the_newest_request_counts(box: Any, viewport: Viewport) -> None:
         bpy.context.scene.camera.location.x += 0.02
         bpy.context.view_layer.update()
         assert ask(viewport, PREVIEW)
-    shown = complete(viewport)
+    seen = complete(viewport)
     data, view = read()
     session = Session()
     session.show(data, view, PREVIEW, ["depth"])
-    np.testing.assert_allclose(shown.pixels[..., :3], session.picture(view).radiance / 683.0, rtol=1e-5)
+    np.testing.assert_allclose(seen.pixels[..., :3], session.picture(view).radiance / 683.0, rtol=1e-5)
 
 
 def test_errors_are_shown_and_forgotten(box: Any, viewport: Viewport) -> None:
@@ -131,11 +137,71 @@ def test_a_closed_viewport_ends_its_thread(box: Any, viewport: Viewport) -> None
     assert not ask(viewport)
 
 
+class Window:
+    """An engine in a viewport that records what it draws."""
+
+    view_update = LumivoxEngine.view_update
+    view_draw = LumivoxEngine.view_draw
+    _ask = LumivoxEngine._ask
+    _viewport = _data = _box = _texture = None
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.drawn: list[Any] = []
+        self.said = ""
+
+        def picture(engine: Any, scene: Any, region: Any, shown: Any, known: Any) -> Any:
+            self.drawn.append(shown)
+            return shown
+
+        monkeypatch.setitem(sys.modules, "extension.draw", SimpleNamespace(picture=picture))
+        monkeypatch.setattr(extension, "draw", sys.modules["extension.draw"], raising=False)
+
+    def update_stats(self, stats: str, info: str) -> None:
+        self.said = info
+
+    def tag_redraw(self) -> None:
+        pass
+
+
+def test_a_viewport_shows_what_its_view_sees(box: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The glue to Blender, in which only drawing is replaced."""
+    window = Window(monkeypatch)
+    box.lumivox.preview_samples, box.lumivox.preview_resolution = 4, 16
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    camera = box.camera
+    projection = camera.calc_matrix_camera(depsgraph, x=32, y=24)
+    context = SimpleNamespace(
+        region=SimpleNamespace(width=32, height=24),
+        space_data=SimpleNamespace(clip_start=0.01),
+        region_data=SimpleNamespace(
+            view_matrix=camera.matrix_world.inverted(), window_matrix=projection
+        ),
+    )
+    window.view_draw(context, depsgraph)
+    assert window.drawn == []
+    window.view_update(context, depsgraph)
+    try:
+        complete(window._viewport)
+        window.view_draw(context, depsgraph)
+        assert window.said == "Lumivox: 4 of 4 frames"
+        seen = window.drawn[-1].pixels[..., :3]
+        settings = settings_of(box, True)
+        expected = shown(settings, ["depth"]).radiance / 683.0
+        np.testing.assert_allclose(seen, expected, rtol=1e-4, atol=1e-5)
+        # Another view is asked for when it is drawn; the timer redraws.
+        old = window._viewport.latest
+        context.region_data.view_matrix = context.region_data.view_matrix @ Matrix.Translation((0.3, 0, 0))
+        window.view_draw(context, depsgraph)
+        until(lambda: window._viewport.latest is not old)
+        assert not np.array_equal(complete(window._viewport).pixels[..., :3], seen)
+    finally:
+        window._viewport.close()
+
+
 def test_the_first_lit_picture_comes_within_seconds(viewport: Viewport) -> None:
     """Of the window's usual size, with the viewport's own settings; the goal is 5 s on two cores.
     The time of the processor, since other programs may run."""
-    from extension.properties import settings_of
-
     scenes.materials()
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = 960, 540
