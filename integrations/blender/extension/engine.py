@@ -52,6 +52,17 @@ def _drop(*_: Any) -> None:
     KEPT.drop()
 
 
+class _History:
+    """Counts what Blender replaces without telling viewports what has changed: undo and files."""
+
+    count = 0
+
+
+@bpy.app.handlers.persistent
+def _replace(*_: Any) -> None:
+    _History.count += 1
+
+
 def explain(error: Exception) -> str:
     """A message about an error, with its remedy."""
     import lumivox
@@ -77,6 +88,7 @@ class LumivoxEngine(bpy.types.RenderEngine):
     _data: Any = None
     _box: Any = None
     _texture: Any = None
+    _history = 0
 
     def __del__(self) -> None:
         if self._viewport is not None:
@@ -205,6 +217,9 @@ class LumivoxEngine(bpy.types.RenderEngine):
             self._reader = Reader()
             _redraw_when_ready(self)
         try:
+            if self._history != _History.count:
+                self._history = _History.count
+                self._reader.forget_all()
             self._reader.take_updates(depsgraph)
             self._data = self._reader.read(depsgraph)
             self._box = box_of(depsgraph.scene, depsgraph)
@@ -322,17 +337,26 @@ def _put(result: Any, name: str, pixels: np.ndarray) -> None:
         known.rect.foreach_set(np.ascontiguousarray(pixels[::-1], np.float32).ravel())
 
 
+_HANDLERS = {
+    "render_complete": _drop,
+    "render_cancel": _drop,
+    "load_pre": _drop,
+    "load_post": _replace,
+    "undo_post": _replace,
+    "redo_post": _replace,
+}
+
+
 def register() -> None:
     bpy.utils.register_class(LumivoxEngine)
-    bpy.app.handlers.render_complete.append(_drop)
-    bpy.app.handlers.render_cancel.append(_drop)
-    bpy.app.handlers.load_pre.append(_drop)
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
 
 
 def unregister() -> None:
-    for handlers in ("render_complete", "render_cancel", "load_pre"):
-        known = getattr(bpy.app.handlers, handlers)
-        if _drop in known:
-            known.remove(_drop)
+    for name, handler in _HANDLERS.items():
+        known = getattr(bpy.app.handlers, name)
+        if handler in known:
+            known.remove(handler)
     KEPT.drop()
     bpy.utils.unregister_class(LumivoxEngine)

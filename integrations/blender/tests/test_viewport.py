@@ -25,7 +25,7 @@ from extension.viewport import Request, Viewport
 PREVIEW = {**SMALL, "frames": 8}
 
 
-def until(condition: Callable[[], Any], limit_s: float = 30.0) -> Any:
+def until(condition: Callable[[], Any], limit_s: float = 120.0) -> Any:
     end = time.monotonic() + limit_s
     while time.monotonic() < end:
         if result := condition():
@@ -144,6 +144,7 @@ class Window:
     view_draw = LumivoxEngine.view_draw
     _ask = LumivoxEngine._ask
     _viewport = _data = _box = _texture = None
+    _history = 0
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.drawn: list[Any] = []
@@ -163,21 +164,47 @@ class Window:
         pass
 
 
-def test_a_viewport_shows_what_its_view_sees(box: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The glue to Blender, in which only drawing is replaced."""
-    window = Window(monkeypatch)
-    box.lumivox.preview_samples, box.lumivox.preview_resolution = 4, 16
-    bpy.context.view_layer.update()
+def through(camera: Any) -> Any:
+    """The context of a viewport that looks through a camera."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    camera = box.camera
     projection = camera.calc_matrix_camera(depsgraph, x=32, y=24)
-    context = SimpleNamespace(
+    return SimpleNamespace(
         region=SimpleNamespace(width=32, height=24),
         space_data=SimpleNamespace(clip_start=0.01),
         region_data=SimpleNamespace(
             view_matrix=camera.matrix_world.inverted(), window_matrix=projection
         ),
     )
+
+
+def test_undo_reaches_viewports(box: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    window = Window(monkeypatch)
+    bpy.ops.ed.undo_push(message="before")
+    try:
+        window.view_update(through(box.camera), bpy.context.evaluated_depsgraph_get())
+        before = window._data
+        bpy.data.objects["box"].data.vertices[7].co.z += 1.0
+        bpy.data.objects["box"].data.update()
+        bpy.ops.ed.undo_push(message="after")
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        window.view_update(through(bpy.context.scene.camera), depsgraph)
+        assert window._data != before
+        bpy.ops.ed.undo()
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        window.view_update(through(bpy.context.scene.camera), depsgraph)
+        assert window._data == before
+    finally:
+        window._viewport.close()
+        window._viewport.join(20.0)
+
+
+def test_a_viewport_shows_what_its_view_sees(box: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The glue to Blender, in which only drawing is replaced."""
+    window = Window(monkeypatch)
+    box.lumivox.preview_samples, box.lumivox.preview_resolution = 4, 16
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    context = through(box.camera)
     window.view_draw(context, depsgraph)
     assert window.drawn == []
     window.view_update(context, depsgraph)

@@ -42,10 +42,10 @@ class Reader:
             if isinstance(changed, bpy.types.Image):
                 self._images.forget(changed)
                 self._worlds.forget()
-            elif isinstance(changed, bpy.types.Material):
-                # Other materials may need other texture coordinates: their key is in the name.
-                continue
             elif update.is_updated_geometry:
+                if _has_nodes(changed):
+                    # They may make meshes with names of their own.
+                    self.forget_all()
                 self._forget_mesh(changed)
 
     def _forget_mesh(self, changed: Any) -> None:
@@ -105,6 +105,8 @@ class Reader:
                 if thing.visible_camera is False:
                     notes.tell(thing.name, "area lights are seen by the camera, from their front")
                 continue
+            if thing.is_holdout or thing.is_shadow_catcher:
+                notes.tell(thing.name, "holdouts and shadow catchers are shown like other objects")
             if thing.type in _WITHOUT:
                 notes.tell(thing.name, f"objects of the type {thing.type} are not supported")
             if thing.type not in _WITH_TRIANGLES or not thing.visible_camera:
@@ -161,6 +163,11 @@ class Reader:
             finally:
                 thing.to_mesh_clear()
         return self._meshes[key]
+
+
+def _has_nodes(changed: Any) -> bool:
+    modifiers = getattr(changed, "modifiers", ())
+    return any(modifier.type == "NODES" for modifier in modifiers)
 
 
 def key_of(item: Any) -> tuple[Any, ...]:
