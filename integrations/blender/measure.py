@@ -32,10 +32,11 @@ from extension.operators import run_program  # noqa: E402
 from extension.translate.images import encode_srgb  # noqa: E402
 from extension.units import LUMENS_PER_WATT  # noqa: E402
 
-SIZE = (192, 144)
+SIZE = (160, 120)
 FRAMES = 32
 VOXELS = 128
-SAMPLES = 1024
+SAMPLES = 512
+BOUNCES = 32
 #: Values are limited to this multiple of the mean.
 MOST = 8.0
 #: Pictures for the comparison with the command line.
@@ -74,6 +75,11 @@ def set_up(size: tuple[int, int], frames: int) -> None:
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
     scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+    # The whole of the light: by default Cycles ends it after four diffuse bounces, and clamps it.
+    for kind in ("max_bounces", "diffuse_bounces", "glossy_bounces"):
+        setattr(scene.cycles, kind, BOUNCES)
+    scene.cycles.sample_clamp_direct = scene.cycles.sample_clamp_indirect = 0.0
+    scene.cycles.blur_glossy = 0.0
     # Lumivox's pixels are square, too.
     scene.cycles.pixel_filter_type = "BOX"
     scene.lumivox.samples, scene.lumivox.resolution = frames, VOXELS
@@ -148,7 +154,7 @@ def page(rows: dict[str, dict[str, Any]]) -> str:
         "",
         f"Made of commit {commit} on {datetime.date.today()} by `integrations/blender/measure.py`, with Blender {bpy.app.version_string} on {adapter}.",
         "",
-        f"Each [scene](../../integrations/blender/scenes.py) is rendered by Lumivox ({FRAMES} frames, {VOXELS} voxels, preset `balanced`) and by Cycles on the CPU ({SAMPLES} samples, no denoiser, box filter), with {SIZE[0]}x{SIZE[1]} pixels. *Bias* and *RMSE* are in percent of Cycles's mean, its noise taken out, with values of at most {MOST:g} times the mean (lamps in the picture would outweigh all else); *seconds* are those of all cores together, preparation included. *Command line* is the largest difference, in 255ths of the screen's range, between the picture of the extension and that of `lumivox render` for the exported scene ({SMALL[0]}x{SMALL[1]} pixels, {FEW} frames).",
+        f"Each [scene](../../integrations/blender/scenes.py) is rendered by Lumivox ({FRAMES} frames, {VOXELS} voxels, preset `balanced`) and by Cycles on the CPU ({SAMPLES} samples, {BOUNCES} bounces, no clamping, no denoiser, box filter), with {SIZE[0]}x{SIZE[1]} pixels. *Bias* and *RMSE* are in percent of Cycles's mean, its noise taken out, with values of at most {MOST:g} times the mean (lamps in the picture would outweigh all else); *seconds* are those of all cores together, preparation included. *Command line* is the largest difference, in 255ths of the screen's range, between the picture of the extension and that of `lumivox render` for the exported scene ({SMALL[0]}x{SMALL[1]} pixels, {FEW} frames).",
         "",
         "| scene | bias | RMSE | noise of Cycles | FLIP | Lumivox | Cycles | command line |",
         "| --- | --: | --: | --: | --: | --: | --: | --: |",

@@ -142,6 +142,8 @@ class LumivoxEngine(bpy.types.RenderEngine):
         data = reader.read(depsgraph)
         view = _camera_view(scene, depsgraph)
         settings = settings_of(scene, False)
+        if self.is_preview:
+            settings |= {"frames": 8, "resolution": 32}
         layers = passes.layers(asked)
 
         def progress(stage: str, done: float, total: int) -> None:

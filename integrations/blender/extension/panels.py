@@ -50,7 +50,10 @@ class LUMIVOX_RENDER_PT_sampling(_Panel, bpy.types.Panel):
         column.prop(own, "preview_samples")
         column.prop(own, "samples")
         layout.prop(own, "bounces")
-        layout.prop(own, "shadow_resolution")
+        layout.prop(own, "shadows")
+        column = layout.column()
+        column.active = own.shadows == "map"
+        column.prop(own, "shadow_resolution")
 
 
 class LUMIVOX_RENDER_PT_voxels(_Panel, bpy.types.Panel):
@@ -170,11 +173,12 @@ def register() -> None:
     for known in CLASSES:
         bpy.utils.register_class(known)
     for panel in _shared():
-        panel.COMPAT_ENGINES.add(ENGINE)
+        # A set of its own: panels may share theirs.
+        panel.COMPAT_ENGINES = {*panel.COMPAT_ENGINES, ENGINE}
 
 
 def unregister() -> None:
     for panel in _shared():
-        panel.COMPAT_ENGINES.discard(ENGINE)
+        panel.COMPAT_ENGINES = {*panel.COMPAT_ENGINES} - {ENGINE}
     for known in reversed(CLASSES):
         bpy.utils.unregister_class(known)

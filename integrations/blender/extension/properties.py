@@ -88,6 +88,15 @@ class LumivoxSettings(bpy.types.PropertyGroup):
         max=1000.0,
         default=0.125,
     )
+    shadows: bpy.props.EnumProperty(
+        name="Shadows",
+        description="Shadows of points, spots and suns. Those of areas, glowing surfaces and the world are always soft",
+        items=(
+            ("map", "Sharp", "Exact to a texel of their maps; sizes of lights have no effect"),
+            ("cone", "Soft", "As wide as sizes of lights make them, but as coarse as the voxels"),
+        ),
+        default="map",
+    )
     shadow_resolution: bpy.props.IntProperty(
         name="Shadow Maps",
         description="Texels along an edge of a lamp's shadow map. More make sharper shadows",
@@ -104,6 +113,7 @@ def settings_of(scene: Any, is_preview: bool) -> dict[str, Any]:
         "preset": own.preset,
         "frames": own.preview_samples if is_preview else own.samples,
         "bounces": own.bounces,
+        "shadows": own.shadows,
         "shadow_resolution": own.shadow_resolution,
     }
     if own.use_cascades:

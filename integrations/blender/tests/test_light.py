@@ -107,3 +107,25 @@ def test_a_panorama_is_turned_as_in_cycles(exr: Any) -> None:
     assert np.ptp(cycles[:6, :, 0]) > 1.0
     np.testing.assert_allclose(ours[:6], cycles[:6], rtol=0.05)
     np.testing.assert_allclose(ours.mean(axis=(0, 1)), cycles.mean(axis=(0, 1)), rtol=0.03)
+
+
+@pytest.mark.parametrize("kind", ("SUN", "POINT"))
+def test_soft_shadows_are_as_wide_as_in_cycles(kind: str, exr: Any) -> None:
+    _floor()
+    # It covers the left half of the floor, above the camera.
+    scenes._camera((0, -2.4, 0.9), (0, 0, 0), lens=45)
+    black = scenes.material("black", (0.0, 0.0, 0.0))
+    scenes._quad("cover", (-3, -3, 1.3), (0, -3, 1.3), (0, 3, 1.3), (-3, 3, 1.3), black)
+    lamp = _lamp(kind, 3.0 if kind == "SUN" else 300.0, (0.0, 0.0, 2.6))
+    if kind == "SUN":
+        lamp.rotation_euler = (0.0, 0.0, 0.0)
+        lamp.data.angle = math.radians(30)
+    else:
+        lamp.data.shadow_soft_size = 0.3
+    scene = small((24, 16))
+    scene.lumivox.resolution, scene.lumivox.shadows = 64, "cone"
+    rows = [color(exr(samples=64)), color(exr("CYCLES", samples=512))]
+    profiles = [picture[6:12, :, 1].mean(axis=0) / picture[:, :, 1].max() for picture in rows]
+    wide = [np.count_nonzero((profile > 0.1) & (profile < 0.6)) for profile in profiles]
+    assert wide[1] >= 3
+    np.testing.assert_allclose(profiles[0], profiles[1], atol=0.12)
