@@ -5,7 +5,7 @@ Usage: measure.py [SCENE ...]   (default: all; others keep their last rows)
 
 It runs in Blender's Python module, with the extension of Python where ./test puts it:
 target/tools/blender/bin/python integrations/blender/measure.py. The numbers of each scene are kept
-in docs/generated/images/blender, so that scenes can be measured one by one.
+in target/blender.json, so that scenes can be measured one by one.
 """
 
 from __future__ import annotations
@@ -175,7 +175,8 @@ def main(names: list[str]) -> None:
     if unknown:
         sys.exit(f"error: there is no scene {unknown[0]}; there are {', '.join(scenes.SCENES)}")
     IMAGES.mkdir(parents=True, exist_ok=True)
-    kept = IMAGES / "numbers.json"
+    kept = ROOT / "target/blender.json"
+    kept.parent.mkdir(exist_ok=True)
     rows = json.loads(kept.read_text()) if kept.exists() else {}
     extension.register()
     for name in names or scenes.SCENES:
