@@ -19,11 +19,6 @@ from .translate.scene import key_of
 from .units import place
 from .viewport import Request, Viewport
 
-DRIVER = (
-    "no driver for Vulkan, Metal or DirectX 12 was found: install that of the GPU, or without a GPU Mesa's software driver (Debian and Ubuntu: apt install mesa-vulkan-drivers)"
-)
-
-
 class Cancelled(Exception):
     """The user has stopped the render."""
 
@@ -67,8 +62,6 @@ def explain(error: Exception) -> str:
     """A message about an error, with its remedy."""
     import lumivox
 
-    if isinstance(error, lumivox.GpuError) and not lumivox.adapters():
-        return f"Lumivox: {DRIVER}"
     if isinstance(error, (lumivox.Error, ValueError, RuntimeError)):
         return f"Lumivox: {error}"
     return f"Lumivox: {type(error).__name__}: {error}"
