@@ -11,7 +11,8 @@ import pytest
 
 import scenes
 from conftest import color, read, shown, small
-from extension import passes
+from extension import backdrop, passes
+from extension.units import LUMENS_PER_WATT
 
 DATA = ("z", "normal", "object_index", "material_index", "vector", "diffuse_color")
 
@@ -95,3 +96,15 @@ def test_coarse_voxels_are_told(box: Any) -> None:
     # The middle of what is seen is about 5 m away.
     height = 2.0 * 5.2 * math.tan(math.radians(view.vertical_fov_deg) / 2.0)
     assert share == pytest.approx(0.25 / height, rel=0.15)
+
+
+def test_edges_on_a_transparent_film_keep_only_the_surface(box: Any) -> None:
+    data, view = read()
+    sky = np.array(data.world.radiance, np.float32) * LUMENS_PER_WATT
+    surface, coverage = np.float32(500.0), np.full((view.height, view.width), 0.25, np.float32)
+    picture = backdrop.Picture(0.25 * surface + 0.75 * np.tile(sky, (*coverage.shape, 1)), coverage)
+    pixels = passes.combined(picture, view, data.world, is_transparent=True)
+    np.testing.assert_allclose(pixels[..., :3], 0.25 * surface / LUMENS_PER_WATT, rtol=1e-5)
+    np.testing.assert_array_equal(pixels[..., 3], coverage)
+    solid = passes.combined(picture, view, data.world, is_transparent=False)
+    assert (solid[..., 3] == 1.0).all() and (solid[..., :3] > pixels[..., :3]).all()
