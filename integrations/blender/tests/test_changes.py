@@ -150,10 +150,29 @@ def test_other_settings_and_sizes_keep_the_scene(box: Any) -> None:
     session.show(data, coarse, {**SMALL, "frames": 2})
     assert session.scene is scene and session.renderer is renderer
     assert session.picture(coarse).radiance.shape == (12, 16, 3)
+    session.show(data, view, {**SMALL, "frames": 2})
+    assert session.picture(view).radiance.shape == (24, 32, 3)
     session.show(data, view, SMALL)
     fresh = Session()
     fresh.show(data, view, SMALL)
     np.testing.assert_array_equal(session.picture(view).radiance, fresh.picture(view).radiance)
+
+
+def test_a_change_that_is_stopped_half_way_is_not_forgotten(box: Any) -> None:
+    session = Session()
+    data, view = read()
+    session.show(data, view, SMALL)
+    before = session.picture(view).radiance
+    place()
+    bpy.context.view_layer.update()
+
+    def stop(stage: str, done: float, total: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        session.show(read()[0], view, SMALL, progress=stop)
+    session.show(data, view, SMALL)
+    np.testing.assert_array_equal(session.picture(view).radiance, before)
 
 
 def test_objects_share_meshes(box: Any) -> None:
@@ -180,3 +199,33 @@ def test_instances_of_collections_are_seen(box: Any) -> None:
     places = sorted(placed.matrix[0][3] for placed in data.instances if placed.name == "box")
     assert places == [-1.0, 1.0]
     assert len({placed.key for placed in data.instances}) == len(data.instances)
+
+
+def test_instances_of_nodes_and_particles_are_seen(box: Any) -> None:
+    thing = bpy.data.objects["box"]
+    group = bpy.data.node_groups.new("scatter", "GeometryNodeTree")
+    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    line, cone = group.nodes.new("GeometryNodeMeshLine"), group.nodes.new("GeometryNodeMeshCone")
+    spread, end = group.nodes.new("GeometryNodeInstanceOnPoints"), group.nodes.new("NodeGroupOutput")
+    line.inputs["Count"].default_value = 3
+    group.links.new(line.outputs[0], spread.inputs["Points"])
+    group.links.new(cone.outputs[0], spread.inputs["Instance"])
+    group.links.new(spread.outputs[0], end.inputs[0])
+    thing.modifiers.new("scatter", "NODES").node_group = group
+    reader = Reader()
+    bpy.context.view_layer.update()
+    data, _ = read(reader)
+    cones = [placed for placed in data.instances if placed.name != "floor"]
+    assert len(cones) == 3 and len({placed.mesh for placed in cones}) == 1
+    assert len({placed.key for placed in cones}) == 3
+
+    floor = bpy.data.objects["floor"]
+    particles = floor.modifiers.new("particles", "PARTICLE_SYSTEM").particle_system.settings
+    particles.type, particles.count, particles.render_type = "HAIR", 5, "OBJECT"
+    lone = scenes._box("seed", (0, 0, -9), (0.1, 0.1, 0.1), bpy.data.materials["red"])
+    particles.instance_object = lone
+    particles.use_advanced_hair = True
+    bpy.context.view_layer.update()
+    data, _ = read()
+    seeds = [placed for placed in data.instances if placed.name == "seed"]
+    assert len(seeds) == 6
