@@ -21,6 +21,11 @@ from .translate.camera import View
 
 #: The time in which the first picture after a change should be there, s.
 FIRST_S = 0.25
+#: The time without changes after which a finer picture begins, s: while a view is dragged, no frame
+#: of a fine one has to be waited for.
+STILL_S = 0.5
+#: The most frames of a coarse picture.
+COARSE_FRAMES = 8
 #: How much coarser the first picture may be.
 COARSEST = 8
 #: The seconds that a pixel takes, until it is known.
@@ -125,14 +130,16 @@ class Viewport:
 
         wanted = int(request.settings.get("frames", 16))
         layers = passes.layers([])
-        for divisor in self._steps(request.view):
+        first = time.perf_counter()
+        for step_number, divisor in enumerate(self._steps(request.view), 1):
             view = request.view.scaled(divisor)
             self._session.show(
                 request.data, view, request.settings, layers, request.box, self._stop_if_closed
             )
+            most = wanted if divisor == 1 else max(1, min(COARSE_FRAMES, wanted - 1))
             done, step, camera = 0, 1, view
-            while done < wanted:
-                step = min(step, wanted - done)
+            while done < most:
+                step = min(step, most - done)
                 begun = time.perf_counter()
                 picture = self._session.refine(step, camera, self._stop_if_newer)
                 took = (time.perf_counter() - begun) / step
@@ -144,7 +151,7 @@ class Viewport:
                 self.latest = Shown(
                     pixels, done, wanted, status_of(self._session, picture, view)
                 )
-                if divisor > 1:
+                if divisor > 1 and time.perf_counter() - first > step_number * STILL_S:
                     break
 
     def _steps(self, view: View) -> list[int]:
@@ -153,7 +160,7 @@ class Viewport:
         divisor = 1
         while divisor < COARSEST and whole_s / divisor**2 > FIRST_S:
             divisor *= 2
-        return [divisor, 1] if divisor > 1 else [1]
+        return sorted({divisor, min(divisor, 2), 1}, reverse=True)
 
     def _stop_if_newer(self, *_: Any) -> None:
         if self._request is not None or self.is_closed:
