@@ -1,7 +1,7 @@
 //! A scene on the device: pictures from any number of cameras, with layers, and irradiance at
 //! points.
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use glam::{UVec2, Vec2, Vec3};
 use lumivox_render::{Gpu, RenderProgress, Renderer as Engine, VoxelFace};
@@ -37,6 +37,8 @@ pub struct Renderer {
 
 struct State {
     engine: Engine,
+    /// The settings that the caller has given.
+    given: Given,
     staged: Staged,
     /// Places of the scene's parts as the device has them.
     places: Places,
@@ -45,6 +47,9 @@ struct State {
     /// The scene's triangles, for the layers `instance`, `material` and `motion`; made when needed.
     picker: Option<Arc<Picker>>,
 }
+
+/// A picture's arrays by name, each with its number of channels.
+type Made = Vec<(String, Values, usize)>;
 
 /// The values of one array.
 enum Values {
@@ -107,7 +112,8 @@ impl Renderer {
             let engine = pollster::block_on(engine)?;
             progress.end()?;
             let places = Places::of(&staged.scene);
-            let state = Mutex::new(State { engine, staged, places, before: None, picker: None });
+            let (before, picker) = (None, None);
+            let state = Mutex::new(State { engine, given, staged, places, before, picker });
             Ok(Self { process: std::process::id(), gpu, layers: named, surroundings, state })
         })
     }
@@ -120,12 +126,59 @@ impl Renderer {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Arrays<'py>> {
         let mut progress = Progress::new(progress);
-        let made = detached(py, || self.picture(camera, &mut progress))?;
-        let arrays = made.into_iter().map(|(name, values, channels)| match values {
-            Values::Floats(values) => Ok((name, array(py, &values)?, channels, "f4")),
-            Values::Numbers(values) => Ok((name, array(py, &values)?, channels, "i4")),
-        });
-        arrays.collect()
+        let made = detached(py, || {
+            let mut state = self.begin(camera)?;
+            let frames = state.engine.settings().frames;
+            self.picture(&mut state, frames, &mut progress)
+        })?;
+        arrays(py, made)
+    }
+
+    /// Renders more frames into the mean of the last picture. A camera, or a change since then,
+    /// begins a new mean.
+    fn refine<'py>(
+        &self,
+        py: Python<'py>,
+        frames: u32,
+        camera: Option<CameraArgument>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Arrays<'py>> {
+        let mut progress = Progress::new(progress);
+        let made = detached(py, || {
+            let mut state = if camera.is_some() { self.begin(camera)? } else { lock(&self.state) };
+            check_process(self.process)?;
+            let frames = state.engine.frame_count().saturating_add(frames);
+            self.picture(&mut state, frames, &mut progress)
+        })?;
+        arrays(py, made)
+    }
+
+    /// Changes the size of pictures and settings; what does not depend on them stays.
+    fn set_settings(
+        &self,
+        py: Python<'_>,
+        size: (u32, u32),
+        given: Given,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<()> {
+        let mut progress = Progress::new(progress);
+        detached(py, || {
+            check_process(self.process)?;
+            let mut state = lock(&self.state);
+            let mut all = state.given.clone();
+            all.retain(|(name, _)| given.iter().all(|(other, _)| other != name));
+            all.extend(given);
+            let old = state.engine.settings();
+            let mut settings = of(&state.staged.scene, UVec2::from(size), &all)?;
+            settings.grid_bounds = old.grid_bounds;
+            settings.beside.clone_from(&old.beside);
+            let mut tell = |step: RenderProgress| {
+                let _ = progress.step(step.stage, step.done.into(), step.total);
+            };
+            pollster::block_on(state.engine.set_settings(settings, &mut tell))?;
+            state.given = all;
+            progress.end()
+        })
     }
 
     /// Shows another state of the same scene: lights, materials and places of instances change,
@@ -140,7 +193,19 @@ impl Renderer {
             let mut tell = |step: RenderProgress| {
                 let _ = progress.step(step.stage, step.done.into(), step.total);
             };
-            pollster::block_on(state.engine.set_materials(&staged.scene, &mut tell))?;
+            let (was, now) = (&state.staged.scene, &staged.scene);
+            let moved = state.places.moved(now);
+            let is_relit = moved.lights || was.environment != now.environment;
+            if moved.shapes
+                || !are_same_surfaces(was, now)
+                || is_relit && !moved.instances.is_empty()
+            {
+                pollster::block_on(state.engine.set_materials(now, &mut tell))?;
+            } else if is_relit {
+                pollster::block_on(state.engine.set_lights(now, &mut tell))?;
+            } else if !moved.instances.is_empty() {
+                pollster::block_on(state.engine.move_instances(now, &moved.instances, &mut tell))?;
+            }
             state.places = Places::of(&staged.scene);
             (state.staged, state.picker) = (staged, None);
             progress.end()
@@ -277,27 +342,36 @@ impl Renderer {
         py.detach(|| read(&lock(&self.state)))
     }
 
-    fn picture(
-        &self,
-        argument: Option<CameraArgument>,
-        progress: &mut Progress,
-    ) -> Result<Vec<(String, Values, usize)>, Fault> {
+    /// Makes the next frame the first of a picture from a camera, or from the last one, without the
+    /// light of earlier pictures.
+    fn begin(&self, argument: Option<CameraArgument>) -> Result<MutexGuard<'_, State>, Fault> {
         check_process(self.process)?;
         let mut state = lock(&self.state);
         let camera = match argument {
             Some(argument) => state.resolve(argument)?,
             None => state.engine.camera().clone(),
         };
-        state.engine.set_camera(camera.clone());
-        // Discard the light of earlier pictures.
+        state.engine.set_camera(camera);
         pollster::block_on(state.engine.cut(&mut |_| {}))?;
-        let total = state.engine.settings().frames;
-        while !state.engine.is_complete() {
+        Ok(state)
+    }
+
+    /// Renders until the mean has this number of frames. If these are all frames of the settings,
+    /// it also waits for late voxels and geometry.
+    fn picture(
+        &self,
+        state: &mut State,
+        frames: u32,
+        progress: &mut Progress,
+    ) -> Result<Made, Fault> {
+        let is_whole = frames >= state.engine.settings().frames;
+        while state.engine.frame_count() < frames || is_whole && !state.engine.is_complete() {
             pollster::block_on(state.engine.render_frame())?;
             self.gpu.wait("rendering a frame")?;
-            let _ = progress.step("render", state.engine.frame_count().into(), total);
+            let _ = progress.step("render", state.engine.frame_count().into(), frames);
             progress.end()?;
         }
+        let camera = state.engine.camera().clone();
         let mean = pollster::block_on(state.engine.read_mean())?;
         let coverage = mean.iter().map(|pixel| pixel[3]).collect();
         let mut arrays = vec![
@@ -374,6 +448,26 @@ impl State {
         };
         pixels.map(number).collect()
     }
+}
+
+/// Whether scenes differ in nothing but lights, surroundings and places of instances.
+fn are_same_surfaces(was: &Model, now: &Model) -> bool {
+    let uses = |scene: &Model| -> Vec<_> {
+        scene.instances.iter().map(|placed| (placed.material, placed.is_voxelized)).collect()
+    };
+    uses(was) == uses(now)
+        && was.materials == now.materials
+        && was.textures == now.textures
+        && was.meshes == now.meshes
+}
+
+/// The arrays for Python.
+fn arrays(py: Python<'_>, made: Made) -> PyResult<Arrays<'_>> {
+    let arrays = made.into_iter().map(|(name, values, channels)| match values {
+        Values::Floats(values) => Ok((name, array(py, &values)?, channels, "f4")),
+        Values::Numbers(values) => Ok((name, array(py, &values)?, channels, "i4")),
+    });
+    arrays.collect()
 }
 
 /// The first channels of pixels, times a factor.

@@ -56,6 +56,36 @@ def test_arrays_have_their_shapes(renderer: Renderer) -> None:
     assert np.asarray(picture).shape == (32, 48, 3)
 
 
+def test_a_refined_picture_is_that_of_all_its_frames(cornell: Scene) -> None:
+    options = {**SMALL, "frames": 5}
+    renderer = Renderer(cornell, "front", (48, 32), **options)
+    first = renderer.refine(1, CAMERAS[0])
+    whole = [renderer.refine(count) for count in (1, 3)][-1]
+    expected = renderer.render(CAMERAS[0])
+    assert np.array_equal(whole.radiance, expected.radiance)
+    assert not np.array_equal(first.radiance, expected.radiance)
+    # Another camera begins a new mean.
+    assert np.array_equal(renderer.refine(5, CAMERAS[1]).radiance, renderer.render(CAMERAS[1]).radiance)
+    with pytest.raises(InputError, match="frames"):
+        renderer.refine(0)
+
+
+def test_changed_settings_give_the_picture_of_a_new_renderer(cornell: Scene) -> None:
+    renderer = Renderer(cornell, "front", (48, 32), **SMALL)
+    before = renderer.render()
+    renderer.set_settings((24, 16), frames=3)
+    assert renderer.size == (24, 16) and renderer.settings["frames"] == "3"
+    changed = renderer.render()
+    new = lumivox.render(cornell, "front", (24, 16), **{**SMALL, "frames": 3})
+    assert np.array_equal(changed.radiance, new.radiance)
+    # Other settings stay; a wrong name changes nothing.
+    assert renderer.settings["resolution"] == "32"
+    with pytest.raises(InputError, match="frames"):
+        renderer.set_settings(fames=3)
+    renderer.set_settings((48, 32), frames=SMALL["frames"])
+    assert np.array_equal(renderer.render().radiance, before.radiance)
+
+
 def test_layers_hold_the_expected_quantities() -> None:
     scene = floor(Material(base_color=(0.5, 0.25, 0.125)))
     quad(scene, (-0.5, 1, 0.5), (1, 0, 0), (0, 0, -1), Material(), "table")

@@ -155,14 +155,39 @@ class Renderer:
             adapter,
             progress,
         )
-        own = dict(self._renderer.settings)
-        self._screen = (own["exposure"], own["tone_map"])
+        self._take_settings()
 
     def render(self, camera: CameraLike | None = None, progress: Progress | None = None) -> Picture:
         """A picture from a camera, by default from the last one."""
+        return self._picture(self._renderer.render(_camera(camera), progress))
+
+    def refine(
+        self, frames: int = 1, camera: CameraLike | None = None, progress: Progress | None = None
+    ) -> Picture:
+        """The mean of the last picture and ``frames`` more frames, for views that get better while
+        they are shown. A ``camera``, or a change of scene or settings, begins a new mean."""
+        count = whole("frames", frames, 1, 65536)
+        return self._picture(self._renderer.refine(count, _camera(camera), progress))
+
+    def set_settings(
+        self, size: tuple[int, int] | None = None, progress: Progress | None = None, **settings: Any
+    ) -> None:
+        """Changes the size of pictures and any settings, without redoing what does not depend on
+        them. Settings that are not named stay."""
+        given = [(name, _text(name, value)) for name, value in settings.items()]
+        wanted = self._size if size is None else size_of("size", size)
+        self._renderer.set_settings(wanted, given, progress)
+        self._size = wanted
+        self._take_settings()
+
+    def _take_settings(self) -> None:
+        own = dict(self._renderer.settings)
+        self._screen = (own["exposure"], own["tone_map"])
+
+    def _picture(self, made: list[tuple[str, bytearray, int, str]]) -> Picture:
         width, height = self._size
         arrays: dict[str, npt.NDArray[Any]] = {}
-        for name, data, channels, kind in self._renderer.render(_camera(camera), progress):
+        for name, data, channels, kind in made:
             arrays[name] = view(data, kind, height, width, channels)
         radiance, coverage = arrays.pop("radiance"), arrays.pop("coverage")
         exposure, tone_map = self._screen
@@ -278,7 +303,7 @@ class Renderer:
 
     def update(self, scene: Scene, progress: Progress | None = None) -> None:
         """Shows other lights, surroundings, materials or places of instances of the same scene,
-        without compiling and uploading everything again. The grid stays as it is."""
+        and redoes only what depends on the difference. The grid stays as it is."""
         self._renderer.update(_scene(scene), progress)
         self._take(scene)
 
