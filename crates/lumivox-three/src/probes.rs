@@ -1,18 +1,18 @@
 //! Irradiance probes on a grid in the box of the voxels, for what three.js draws after the opaque
 //! materials: transparent and transmissive ones. They gather from the voxels, a batch in each
-//! frame, and write ambient cubes into a texture. The kernels are those of the Bevy plugin.
+//! frame, and write ambient cubes into a texture.
 
 use glam::{UVec3, Vec3};
 use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Recorder, Texture, storage_buffer,
     uniform_buffer,
 };
-use lumivox::{GatherPoints, GatherSettings, Gi, GiError, Lights, TraceSettings, wgpu};
+use lumivox::{
+    GatherPoints, GatherSettings, Gi, GiError, Lights, PROBE_SIDES, TraceSettings, wgpu,
+};
 
 /// Voxels along the edge of a probe's cell.
 const VOXELS_A_CELL: u32 = 4;
-/// Directions of a probe.
-const SIDES: u32 = 6;
 /// Frames that a probe gathers in its turn.
 const FRAMES_A_TURN: u32 = 2;
 /// Probes of a turn; the first turn is that of all of them.
@@ -59,10 +59,6 @@ impl Probes {
         let cells = ((high - low) / edge_m - 1e-3).ceil().max(Vec3::ONE).as_uvec3();
         let count = cells.element_product();
 
-        let mut library = gi.shaders().clone();
-        library
-            .add("three::probes", include_str!("../../../integrations/bevy/src/light/probes.wgsl"))
-            .constant_u32("PROBE_SIDES", SIDES);
         let layout = LayoutBuilder::compute()
             .uniform()
             .storage_mut()
@@ -76,12 +72,12 @@ impl Probes {
             .build(pipelines, "texture of probes");
         let layouts = [gi.globals_layout(), &layout, &texture_layout];
         let kernel = |entry: &str, layouts: &[&wgpu::BindGroupLayout]| {
-            Kernel::new(pipelines, &library, "three::probes", entry, layouts)
+            Kernel::new(pipelines, gi.shaders(), "points::probes", entry, layouts)
         };
         let (place, take) = (kernel("place", &layouts[..2])?, kernel("take", &layouts[..2])?);
         let fill = kernel("fill", &layouts)?;
 
-        let points = SIDES * count;
+        let points = PROBE_SIDES * count;
         let [positions, normals] = ["positions of probes", "normals of probes"]
             .map(|label| storage_buffer(device, label, 16 * u64::from(points)));
         let points = GatherPoints::new(device, &positions, &normals, points);

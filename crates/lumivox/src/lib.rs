@@ -61,7 +61,7 @@ pub use gi::{Frame, FrameStatus, Gi, GiConfig, Voxelized};
 pub use gloss::Gloss;
 pub use grid::{Grid, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use light::{Light, LightSource, Lights, Shadow, ShadowLayer, ShadowMaps, ShadowSource};
-pub use points::{GatherPoints, GatherSettings, GatheredPoint, Irradiance};
+pub use points::{GatherPoints, GatherSettings, GatheredPoint, Irradiance, PROBE_SIDES};
 pub use trace::{AS_THE_CAMERA, CameraView, GBuffer, GBufferViews, GiView};
 pub use volume::{Directionality, OctreeStats, VolumeKind, dense_volume_bytes};
 // Re-exported, since the caller must use this version of wgpu.

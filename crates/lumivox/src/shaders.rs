@@ -16,6 +16,7 @@ pub fn library() -> ShaderLibrary {
     crate::volume::add_constants(&mut library);
     crate::cones::add_constants(&mut library);
     crate::trace::add_constants(&mut library);
+    crate::points::add_constants(&mut library);
     crate::temporal::add_constants(&mut library);
     crate::cones::mount(&mut library, false);
     library

@@ -18,6 +18,14 @@ use crate::gpu::{
     upload,
 };
 
+/// Directions of a probe in the kernels of `probes.wgsl`, which callers link as `points::probes`:
+/// +x, -x, +y, -y, +z, -z.
+pub const PROBE_SIDES: u32 = 6;
+
+pub(crate) fn add_constants(library: &mut ShaderLibrary) {
+    library.constant_u32("PROBE_SIDES", PROBE_SIDES);
+}
+
 /// How irradiance at points is gathered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]

@@ -8,15 +8,15 @@ use lumivox::gpu::{
     BindGroup, BindGroupBuilder, Buffer, Kernel, LayoutBuilder, Recorder, storage_buffer,
     uniform_buffer,
 };
-use lumivox::{GatherPoints, GatherSettings, Gi, GiError, Lights, TraceSettings, wgpu};
+use lumivox::{
+    GatherPoints, GatherSettings, Gi, GiError, Lights, PROBE_SIDES, TraceSettings, wgpu,
+};
 
 use crate::settings::{GiVolume, LumivoxGi};
 use crate::volumes::voxels::beside_frames;
 
 /// Voxels along the edge of a probe's cell: in a box, and in the outermost cascade.
 const VOXELS_A_CELL: [u32; 2] = [4, 2];
-/// Directions per probe.
-const PROBE_SIDES: u32 = 6;
 /// Frames that a probe gathers per turn.
 const FRAMES_A_TURN: u32 = 2;
 /// One probe gathers per this many voxel faces of the frame's budget.
@@ -119,10 +119,6 @@ impl ProbeKernels {
     pub(crate) fn new(gi: &Gi) -> Result<Self, GiError> {
         gi.prepare_gather()?;
         let pipelines = gi.pipelines();
-        let mut library = gi.shaders().clone();
-        library
-            .add("bevy::probes", include_str!("probes.wgsl"))
-            .constant_u32("PROBE_SIDES", PROBE_SIDES);
         let probes_layout = LayoutBuilder::compute()
             .uniform()
             .storage_mut()
@@ -138,7 +134,7 @@ impl ProbeKernels {
             let layouts = [gi.globals_layout(), &probes_layout, &texture_layout];
             let layouts =
                 if matches!(entry, "fill" | "empty") { &layouts[..] } else { &layouts[..2] };
-            Kernel::new(pipelines, &library, "bevy::probes", entry, layouts)
+            Kernel::new(pipelines, gi.shaders(), "points::probes", entry, layouts)
         };
         Ok(Self {
             place: kernel("place")?,
