@@ -7,12 +7,9 @@ use std::sync::Arc;
 use glam::{Mat3, UVec2, Vec3};
 use lumivox_render::{Exposure, Picture, RenderSettings, Renderer, View};
 use lumivox_scene::sky::{Sky, SkySettings, sky};
-use lumivox_scene::{
-    Camera, Environment, EnvironmentMap, Instance, Material, Mesh, MetallicRoughness, Scene,
-    Shading,
-};
+use lumivox_scene::{Camera, Environment, EnvironmentMap, Instance, Material, Mesh, Scene};
 
-use crate::common::{gpu, picture};
+use crate::common::{gpu, metal, picture};
 
 fn map(width: u32, radiance: impl Fn(Vec3) -> Vec3) -> EnvironmentMap {
     let height = width / 2;
@@ -141,20 +138,6 @@ fn the_background_shows_the_map_in_its_orientation() {
             let expected = colors(in_map(direction, rotation_rad));
             close(at(&picture, x, y), expected, 0.02, &format!("{forward} {rotation_rad} {x} {y}"));
         }
-    }
-}
-
-/// A white metal.
-fn metal(roughness: f32) -> Material {
-    Material {
-        name: "metal".to_owned(),
-        shading: Shading::MetallicRoughness(MetallicRoughness {
-            base_color: glam::Vec4::ONE,
-            metallic: 1.0,
-            roughness,
-            ..MetallicRoughness::default()
-        }),
-        ..Material::default()
     }
 }
 

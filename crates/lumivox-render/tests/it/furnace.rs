@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec3, Mat4, UVec2, Vec3, Vec4};
+use glam::{DVec3, Mat4, UVec2, Vec3};
 use lumivox::{Preset, TraceSettings};
 use lumivox_render::{RenderSettings, View};
-use lumivox_scene::{Camera, Material, MetallicRoughness, Scene, Shading};
+use lumivox_scene::{Camera, Material, Scene};
 
-use crate::common::{builtin, gpu, mean_luminance, picture, renderer, zoo};
+use crate::common::{builtin, gpu, mean_luminance, metal, picture, renderer, zoo};
 
 /// In a closed cube that emits 1 cd/m² and reflects a half everywhere, the radiance is 2 cd/m²
 /// everywhere.
@@ -167,14 +167,7 @@ fn a_panel_near_ceilings_keeps_its_light_at_release() {
 #[ignore = "slow: over three seconds"]
 fn a_mirror_shows_the_panel() {
     let mut scene = builtin("panel");
-    let mut mirror = Material::diffuse("mirror", Vec3::ONE);
-    mirror.shading = Shading::MetallicRoughness(MetallicRoughness {
-        base_color: Vec4::ONE,
-        metallic: 1.0,
-        roughness: 0.0,
-        ..MetallicRoughness::default()
-    });
-    scene.materials[0] = mirror;
+    scene.materials[0] = metal(0.0);
     let settings = RenderSettings {
         size: UVec2::splat(32),
         resolution: 64,

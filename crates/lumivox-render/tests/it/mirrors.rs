@@ -1,25 +1,11 @@
 //! Tests of mirrors and metals.
 
-use glam::{UVec2, Vec3, Vec4};
+use glam::{UVec2, Vec3};
 use lumivox_render::{Picture, RenderSettings, View};
 use lumivox_scene::builtin::shapes::{quad, sphere};
-use lumivox_scene::{Camera, Environment, Instance, Material, MetallicRoughness, Scene, Shading};
+use lumivox_scene::{Camera, Environment, Instance, Scene};
 
-use crate::common::{builtin, gpu, picture, renderer};
-
-fn metal(roughness: f32) -> Material {
-    let shading = MetallicRoughness {
-        base_color: Vec4::ONE,
-        metallic: 1.0,
-        roughness,
-        ..MetallicRoughness::default()
-    };
-    Material {
-        name: "metal".to_owned(),
-        shading: Shading::MetallicRoughness(shading),
-        ..Material::default()
-    }
-}
+use crate::common::{builtin, gpu, metal, picture, renderer};
 
 /// The share of pixels in the mirror whose light differs by more than 3 % from that of the pixels
 /// in `behind`, a picture of the same surfaces without the mirror.

@@ -85,16 +85,15 @@ fn hit_faces(
         let cosine = dot(plane.normal, direction);
         let distance = (plane.offset - dot(plane.normal, origin)) / select(cosine, 1e-9, abs(cosine) < 1e-9);
         let is_back = cosine > 0.0;
-        let blocks = plane.is_single_sided && (plane.holes == 0u || plane.is_thin) && distance >= own;
+        let share = passing_share(plane, cosine);
+        let blocks = plane.is_single_sided && (share == 0.0 || plane.is_thin) && distance >= own;
         let is_met = distance > 0.0 && distance < hit.distance && (!is_back || blocks);
         let point = origin + direction * distance;
         let at = across(point, plane.lobe >> 1u);
         if is_met && is_covered(at, texel.zw, patch_texel(face, 1u)) {
             // A ray that passes the front of a bar also passes its back.
             let surface = select(face, first ^ (plane.lobe >> 1u << 29u), plane.is_thin);
-            let share = passing_share(plane, cosine);
-            let is_solid = plane.holes == 0u
-                || ((*passed).draws && !passes(direction, surface, share));
+            let is_solid = share == 0.0 || ((*passed).draws && !passes(direction, surface, share));
             if is_solid {
                 let struck = select(face, BLACK, is_back);
                 hit = Hit(distance, struck, plane.is_parted && !is_back, struck);

@@ -74,12 +74,17 @@ fn is_run(bits: vec4u) -> vec4<bool> {
     return countOneBits(bits & ~(bits << vec4u(1u))) <= vec4u(1u);
 }
 
+// The area by which the bits of one surface may exceed it: where profiles bound it, a 32nd along a
+// side of the voxel; where the mask does, as at an oblique corner of a wall, half the diagonal of a
+// square along two sides.
+const MOST_EXCESS = vec2f(0.03125, 0.177);
+
 // The part of a voxel that a face covers by its bits.
 struct Covered {
     // As a share of the voxel's side.
     area: f32,
-    // Whether one convex piece may have set the bits.
-    is_convex: bool,
+    // Maximum area by which bits of one surface exceed it.
+    excess: f32,
 }
 
 fn covered_by(slot: FaceSlot) -> Covered {
@@ -91,13 +96,13 @@ fn covered_by(slot: FaceSlot) -> Covered {
         covered += u32(is_covered(at, mask, slot.profiles));
         convex += u32(is_covered(at, vec2u(0xffffffffu), slot.profiles));
     }
-    let is_convex = covered == convex && all(is_run(slot.profiles));
-    return Covered(f32(covered) / f32(COVER_SAMPLES * COVER_SAMPLES), is_convex);
+    let area = f32(covered) / f32(COVER_SAMPLES * COVER_SAMPLES);
+    if !all(is_run(slot.profiles)) {
+        return Covered(area, MOST_EXCESS.x);
+    }
+    // One convex piece may have set the bits.
+    return Covered(area, select(MOST_EXCESS.y, 1.0, covered == convex));
 }
-
-// The area by which bits may exceed the surface: one bit of a profile, along a side. The bits of
-// convex pieces, such as the ends of walls, may exceed more, but where they meet other walls.
-const MOST_EXCESS = 1.0 / 32.0;
 
 // Light that passes through a face's covered area.
 struct Passing {
@@ -113,11 +118,11 @@ fn passing_of(slot: FaceSlot, scale: f32, lobe: u32) -> Passing {
     let surface = max(solid + holes, 1.0);
     let area = surface / scale;
     let most = f32(countOneBits(slot.mask_low) + countOneBits(slot.mask_high)) / 64.0;
-    var covered = Covered(area, true);
-    if most > area + MOST_EXCESS {
+    var covered = Covered(area, 1.0);
+    if most > area + MOST_EXCESS.x {
         covered = covered_by(slot);
     }
-    let is_thin = covered.area > area + MOST_EXCESS && !covered.is_convex;
+    let is_thin = covered.area > area + covered.excess;
     let blocked = solid / surface * select(1.0, area / covered.area, is_thin);
     return Passing(u32(255.0 * (1.0 - clamp(blocked, 0.0, 1.0)) + 0.5), select(0u, THIN, is_thin));
 }

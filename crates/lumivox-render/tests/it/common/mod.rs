@@ -7,7 +7,7 @@ pub mod zoo;
 
 pub use device::{gpu, own_gpu};
 use lumivox_render::{Gpu, Picture, RenderSettings, Renderer};
-use lumivox_scene::{Camera, Scene};
+use lumivox_scene::{Camera, Material, MetallicRoughness, Scene, Shading};
 pub use still::StillCones;
 
 /// A built-in scene.
@@ -16,6 +16,20 @@ pub use still::StillCones;
 /// When there is none of that name.
 pub fn builtin(name: &str) -> Scene {
     lumivox_scene::builtin::scene(name).expect("a built-in scene")
+}
+
+/// A white metal.
+pub fn metal(roughness: f32) -> Material {
+    let shading = MetallicRoughness {
+        base_color: glam::Vec4::ONE,
+        metallic: 1.0,
+        roughness,
+        ..MetallicRoughness::default()
+    };
+    Material {
+        shading: Shading::MetallicRoughness(shading),
+        ..Material::diffuse("metal", glam::Vec3::ONE)
+    }
 }
 
 /// A built-in scene, turned so that no wall is aligned with the voxels.
