@@ -61,6 +61,17 @@ pub enum LightmapError {
         /// The mesh's coordinates of the first such texel.
         at: [f32; 2],
     },
+    /// The density needs more texels than a map has.
+    #[error(
+        "the density needs {texels} texels along an edge of the map, but it has {most} at most; use a \
+         lower one"
+    )]
+    Dense {
+        /// The texels along an edge that the density needs.
+        texels: u64,
+        /// The most texels along an edge.
+        most: u32,
+    },
     /// The parts of all nodes do not fit into the map.
     #[error(
         "{nodes} nodes share texture coordinates, and their parts do not fit into a map with an edge \

@@ -54,7 +54,7 @@ fn common_square(nodes: &mut [LightmapNode], resolution: Resolution) -> Result<u
                 .fold((0.0, 0.0), |(m2, uv), node| (m2 + node.area_m2, uv + node.area_uv));
             let texels = f64::from(density) * (m2 / uv).sqrt();
             if texels > f64::from(LARGEST) {
-                return Err(LightmapError::TooMany { nodes: nodes.len(), edge: LARGEST });
+                return Err(LightmapError::Dense { texels: texels.ceil() as u64, most: LARGEST });
             }
             (texels.ceil() as u32).next_multiple_of(4).clamp(SMALLEST, LARGEST)
         }
@@ -69,7 +69,8 @@ fn common_square(nodes: &mut [LightmapNode], resolution: Resolution) -> Result<u
 fn pack(nodes: &mut [LightmapNode], resolution: Resolution) -> Result<u32, LightmapError> {
     let units: Vec<f64> = nodes.iter().map(unit_m).collect();
     let edges = |density: f64| -> Vec<u32> {
-        let texels = |unit: &f64| ((density * unit).round() as u32).max(LEAST);
+        // A part that is too large for any map is refused below.
+        let texels = |unit: &f64| ((density * unit).round() as u32).clamp(LEAST, LARGEST + 1);
         units.iter().map(texels).collect()
     };
     let refuse = |edge: u32| LightmapError::TooMany { nodes: nodes.len(), edge };

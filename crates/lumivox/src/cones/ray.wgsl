@@ -50,10 +50,10 @@ struct Hit {
     struck: u32,
 }
 
-// Whether a ray passes through a surface with holes, drawn at random: the share of holes passes.
-fn passes(direction: vec3f, surface: u32, share: f32) -> bool {
+// Whether a ray passes through a face with holes, drawn at random: the share of holes passes.
+fn passes(direction: vec3f, face: u32, share: f32) -> bool {
     let bits = bitcast<vec3u>(direction);
-    let drawn = hash(bits.x + hash(bits.y + hash(bits.z + hash(surface)))) >> 8u;
+    let drawn = hash(bits.x + hash(bits.y + hash(bits.z + hash(face)))) >> 8u;
     return f32(drawn) < share * 16777216.0;
 }
 
@@ -86,18 +86,16 @@ fn hit_faces(
         let distance = (plane.offset - dot(plane.normal, origin)) / select(cosine, 1e-9, abs(cosine) < 1e-9);
         let is_back = cosine > 0.0;
         let share = passing_share(plane, cosine);
-        let blocks = plane.is_single_sided && (share == 0.0 || plane.is_thin) && distance >= own;
+        let blocks = plane.is_single_sided && distance >= own;
         let is_met = distance > 0.0 && distance < hit.distance && (!is_back || blocks);
         let point = origin + direction * distance;
         let at = across(point, plane.lobe >> 1u);
         if is_met && is_covered(at, texel.zw, patch_texel(face, 1u)) {
-            // A ray that passes the front of a bar also passes its back.
-            let surface = select(face, first ^ (plane.lobe >> 1u << 29u), plane.is_thin);
-            let is_solid = share == 0.0 || ((*passed).draws && !passes(direction, surface, share));
+            let is_solid = share == 0.0 || ((*passed).draws && !passes(direction, face, share));
             if is_solid {
                 let struck = select(face, BLACK, is_back);
                 hit = Hit(distance, struck, plane.is_parted && !is_back, struck);
-            } else if !is_back && all(point >= vec3f(0.0)) && all(point < vec3f(1.0)) {
+            } else if all(point >= vec3f(0.0)) && all(point < vec3f(1.0)) {
                 // A hole outside of this voxel counts in the next one.
                 (*passed).share *= share;
             }

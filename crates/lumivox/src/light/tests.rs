@@ -438,7 +438,8 @@ fn a_cover_lets_light_through_in_proportion() {
 }
 
 /// Squares of a quarter of a voxel's edge, four in each voxel, block the light of their area: as
-/// sheets, and as slabs with a front and a back. The bits of their cover would block twice as much.
+/// two-sided sheets, as backs of sheets, and as slabs with a front and a back. The bits of their
+/// cover would block twice as much.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_lattice_finer_than_voxels_blocks_its_area() {
@@ -452,11 +453,12 @@ fn a_lattice_finer_than_voxels_blocks_its_area() {
     };
     let open = light_below(|scene| scene);
     let sheets = light_below(|scene| lattice(scene, 0.42, Vec3::X, Vec3::Z, true));
+    let backs = light_below(|scene| lattice(scene, 0.42, Vec3::X, Vec3::Z, false));
     let slabs = light_below(|scene| {
         let below = lattice(scene, 0.4199, Vec3::X, Vec3::Z, false);
         lattice(below, 0.4201, Vec3::Z, Vec3::X, false)
     });
-    for (name, passed) in [("sheets", sheets), ("slabs", slabs)] {
+    for (name, passed) in [("sheets", sheets), ("backs", backs), ("slabs", slabs)] {
         let [sky, lamp] = [0, 1].map(|i| 1.0 - passed[i] / open[i]);
         println!("{name}: of the sky {sky:.4}, of the lamp {lamp:.4} are blocked, of 0.25");
         assert!((sky - 0.25).abs() < 0.05, "{name} block {sky} of the sky's light, not 0.25");

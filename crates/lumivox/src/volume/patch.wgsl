@@ -1,7 +1,7 @@
 // A face for rays, in PATCH_TEXELS texels: the plane and the mask of its surface; the mask's
 // profiles; and its reflected radiance with properties, and its emission.
 
-import package::constants::{GLASS, HOLES, LARGEST_HALF, PARTED, SINGLE_SIDED, THIN};
+import package::constants::{GLASS, HOLES, LARGEST_HALF, PARTED, SINGLE_SIDED};
 
 struct Patch {
     // The plane, in the voxel's coordinates: dot(normal, p) = offset. The normal has any length.
@@ -12,8 +12,6 @@ struct Patch {
     // The share of light that passes through, times 255; of glass, at normal incidence.
     holes: u32,
     is_parted: bool,
-    // Whether surface finer than the cover's bits makes up the share that is blocked.
-    is_thin: bool,
     is_glass: bool,
 }
 
@@ -60,8 +58,7 @@ fn pack_light(radiance: vec3f, lobe: u32, flags: u32) -> vec2u {
     let look = lobe
         | select(0u, 8u, (flags & SINGLE_SIDED) != 0u)
         | select(0u, 0x1000u, (flags & PARTED) != 0u)
-        | select(0u, 0x2000u, (flags & THIN) != 0u)
-        | select(0u, 0x4000u, (flags & GLASS) != 0u)
+        | select(0u, 0x2000u, (flags & GLASS) != 0u)
         | (extractBits(flags, HOLES, 8u) << 4u);
     return vec2u(pack2x16float(stored.rg), pack2x16float(vec2f(stored.b, 0.0)) | (look << 16u));
 }
@@ -85,7 +82,6 @@ fn unpack_patch(plane: vec2u, light: vec2u) -> Patch {
         (look >> 4u) & 0xffu,
         (look & 0x1000u) != 0u,
         (look & 0x2000u) != 0u,
-        (look & 0x4000u) != 0u,
     );
 }
 

@@ -1,12 +1,12 @@
 // Converts the sums of a face to its means.
 
 import package::cascades::grid_from_stored;
-import package::constants::{HOLES, THIN};
+import package::constants::{HOLES, SINGLE_SIDED};
 import package::grid::world_from_grid;
 import package::voxelize::footprint::turn_back;
 import package::voxelize::plane_keys::plane_of;
 import package::voxels::covered::is_covered;
-import package::voxels::list::{LARGEST_REFLECTANCE, lobe_axis, lobe_sign};
+import package::voxels::list::{LARGEST_REFLECTANCE, faces_in, lobe_axis, lobe_sign};
 import package::voxels::morton::morton_decode;
 
 // A face before and after the conversion: first integer sums, then the bits of the numbers of
@@ -104,27 +104,27 @@ fn covered_by(slot: FaceSlot) -> Covered {
     return Covered(area, select(MOST_EXCESS.y, 1.0, covered == convex));
 }
 
-// Light that passes through a face's covered area.
-struct Passing {
-    // The share, as a byte.
-    holes: u32,
-    // THIN if bars, leaves or wires are finer than the face's bits, else 0.
-    flag: u32,
+// The share of a face's covered area that is surface, below 1 if leaves, bars or wires are finer than
+// its bits.
+fn share_of_surface(slot: FaceSlot, area: f32) -> f32 {
+    let most = f32(countOneBits(slot.mask_low) + countOneBits(slot.mask_high)) / 64.0;
+    if most <= area + MOST_EXCESS.x {
+        return 1.0;
+    }
+    let covered = covered_by(slot);
+    return select(1.0, area / covered.area, covered.area > area + covered.excess);
 }
 
-fn passing_of(slot: FaceSlot, scale: f32, lobe: u32) -> Passing {
+// A face's flags after the conversion. `is_backed` if the voxel has surface of the opposite lobe.
+fn flags_of(slot: FaceSlot, scale: f32, lobe: u32, is_backed: bool) -> u32 {
     let solid = f32(slot.vector_area[lobe_axis(lobe)]) * lobe_sign(lobe);
     let holes = max(f32(bitcast<i32>(slot.cell)), 0.0);
     let surface = max(solid + holes, 1.0);
-    let area = surface / scale;
-    let most = f32(countOneBits(slot.mask_low) + countOneBits(slot.mask_high)) / 64.0;
-    var covered = Covered(area, 1.0);
-    if most > area + MOST_EXCESS.x {
-        covered = covered_by(slot);
-    }
-    let is_thin = covered.area > area + covered.excess;
-    let blocked = solid / surface * select(1.0, area / covered.area, is_thin);
-    return Passing(u32(255.0 * (1.0 - clamp(blocked, 0.0, 1.0)) + 0.5), select(0u, THIN, is_thin));
+    let share = share_of_surface(slot, surface / scale);
+    let passing = 1.0 - clamp(solid / surface * share, 0.0, 1.0);
+    // The front of a bar already blocks its share; its back may not do so again.
+    let own = slot.flags & ~select(0u, SINGLE_SIDED, share < 1.0 && is_backed);
+    return own | (u32(255.0 * passing + 0.5) << HOLES);
 }
 
 // Whether a vector area has a part off its lobe's axis that survives rounding to 8 bits.
@@ -135,11 +135,17 @@ fn is_tilted(vector_area: vec3f, lobe: u32) -> bool {
     return any(floor(abs(across) * 127.0 + 0.5) > vec3f(0.0));
 }
 
-// The face of a lobe in a voxel that is stored as `cell`; `emission_scale` is the scale of all
-// materials' emission.
-fn face_of(sums: FaceSlot, scale: f32, cell: u32, lobe: u32, emission_scale: f32) -> FaceSlot {
+// The face of a lobe in a voxel with the `lobes`, which is stored as `cell`; `emission_scale` is the
+// scale of all materials' emission.
+fn face_of(
+    sums: FaceSlot,
+    scale: f32,
+    cell: u32,
+    lobes: u32,
+    lobe: u32,
+    emission_scale: f32,
+) -> FaceSlot {
     let means = means_of(sums, scale, lobe);
-    let passing = passing_of(sums, scale, lobe);
     let position = grid_from_stored(morton_decode(cell), means.position_in_voxel);
     return FaceSlot(
         bitcast<vec3i>(world_from_grid(position)),
@@ -147,7 +153,7 @@ fn face_of(sums: FaceSlot, scale: f32, cell: u32, lobe: u32, emission_scale: f32
         bitcast<vec3i>(means.vector_area),
         lobe,
         bitcast<vec3i>(means.reflectance),
-        sums.flags | passing.flag | (passing.holes << HOLES),
+        flags_of(sums, scale, lobe, faces_in(lobes, lobe ^ 1u) > 0u),
         bitcast<vec3i>(means.emission * emission_scale),
         sums.mask_low,
         bitcast<vec3i>(means.gloss),

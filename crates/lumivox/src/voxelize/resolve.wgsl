@@ -36,7 +36,7 @@ fn main(
     var index = voxels[voxel].first_face;
     for (var lobe = 0u; lobe < 6u; lobe++) {
         for (var i = 0u; i < faces_in(lobes, lobe); i++) {
-            let face = face_of(sums[index], scale, cell, lobe, params.emission_scale);
+            let face = face_of(sums[index], scale, cell, lobes, lobe, params.emission_scale);
             tilted |= select(0u, 1u << lobe, is_tilted(bitcast<vec3f>(face.vector_area), lobe));
             faces[index] = face;
             index++;

@@ -44,7 +44,7 @@ fn main(
                 sums = moving_sums[first_moving + i - fixed];
             }
             let scale = select(shares.scales.y, shares.scales.x, is_fixed);
-            let face = face_of(sums, scale, cell, lobe, params.emission_scale);
+            let face = face_of(sums, scale, cell, shares.lobes, lobe, params.emission_scale);
             tilted |= select(0u, 1u << lobe, is_tilted(bitcast<vec3f>(face.vector_area), lobe));
             moving_faces[index] = face;
             index++;

@@ -52,7 +52,7 @@ struct Face {
     lobe: u32,
     // Mean share of entering light that is reflected diffusely.
     reflectance: vec3f,
-    // SINGLE_SIDED, HIDDEN, PARTED, THIN, GLASS and HOLES.
+    // SINGLE_SIDED, HIDDEN, PARTED, GLASS and HOLES.
     flags: u32,
     // Mean emitted radiance.
     emission: vec3f,

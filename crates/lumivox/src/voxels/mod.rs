@@ -29,7 +29,6 @@ pub(crate) fn add_constants(library: &mut ShaderLibrary) {
         .constant_u32("SINGLE_SIDED", FaceRecord::SINGLE_SIDED)
         .constant_u32("HIDDEN", FaceRecord::HIDDEN)
         .constant_u32("PARTED", FaceRecord::PARTED)
-        .constant_u32("THIN", FaceRecord::THIN)
         .constant_u32("GLASS", FaceRecord::GLASS)
         .constant_u32("HOLES", FaceRecord::HOLES);
 }
@@ -106,8 +105,8 @@ pub struct FaceRecord {
     pub lobe: u32,
     /// Mean share of entering light that is reflected diffusely.
     pub reflectance: [f32; 3],
-    /// [`Self::SINGLE_SIDED`], [`Self::HIDDEN`], [`Self::PARTED`], [`Self::THIN`],
-    /// [`Self::GLASS`], and bits 8 to 15 ([`Self::HOLES`]).
+    /// [`Self::SINGLE_SIDED`], [`Self::HIDDEN`], [`Self::PARTED`], [`Self::GLASS`], and bits 8 to 15
+    /// ([`Self::HOLES`]).
     pub flags: u32,
     /// Mean emitted radiance.
     pub emission: [f32; 3],
@@ -131,12 +130,9 @@ impl FaceRecord {
     /// Flag of a face whose visible part other surface divides, so that some of it is separated
     /// from the point where its light is computed.
     pub const PARTED: u32 = 4;
-    /// Flag of a face whose surface is finer than the bits of its cover, such as bars or leaves:
-    /// the bits cover more than there is, and [`Self::HOLES`] counts the rest.
-    pub const THIN: u32 = 8;
     /// Flag of a face of transmitting surface, whose [`Self::HOLES`] are those at normal incidence:
     /// towards grazing angles it reflects more.
-    pub const GLASS: u32 = 16;
+    pub const GLASS: u32 = 8;
     /// Index of the lowest of eight bits: the share of the covered area that light passes, times
     /// 255.
     pub const HOLES: u32 = 8;

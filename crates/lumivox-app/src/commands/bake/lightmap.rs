@@ -72,6 +72,7 @@ impl Report<'_> {
         let node = |node: &lumivox_render::lightmap::LightmapNode| {
             json!({
                 "name": node.name,
+                "instances": node.instances,
                 "rect": node.rect,
                 "texels_per_metre": node.texels_per_metre,
             })
