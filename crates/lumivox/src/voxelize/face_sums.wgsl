@@ -104,8 +104,8 @@ fn covered_by(slot: FaceSlot) -> Covered {
     return Covered(area, select(MOST_EXCESS.y, 1.0, covered == convex));
 }
 
-// The share of a face's covered area that is surface, below 1 if leaves, bars or wires are finer than
-// its bits.
+// The share of a face's covered area that is surface, below 1 if leaves, bars or wires are finer
+// than its bits.
 fn share_of_surface(slot: FaceSlot, area: f32) -> f32 {
     let most = f32(countOneBits(slot.mask_low) + countOneBits(slot.mask_high)) / 64.0;
     if most <= area + MOST_EXCESS.x {
@@ -135,8 +135,8 @@ fn is_tilted(vector_area: vec3f, lobe: u32) -> bool {
     return any(floor(abs(across) * 127.0 + 0.5) > vec3f(0.0));
 }
 
-// The face of a lobe in a voxel with the `lobes`, which is stored as `cell`; `emission_scale` is the
-// scale of all materials' emission.
+// The face of a lobe in a voxel with the `lobes`, which is stored as `cell`; `emission_scale` is
+// the scale of all materials' emission.
 fn face_of(
     sums: FaceSlot,
     scale: f32,

@@ -105,8 +105,8 @@ pub struct FaceRecord {
     pub lobe: u32,
     /// Mean share of entering light that is reflected diffusely.
     pub reflectance: [f32; 3],
-    /// [`Self::SINGLE_SIDED`], [`Self::HIDDEN`], [`Self::PARTED`], [`Self::GLASS`], and bits 8 to 15
-    /// ([`Self::HOLES`]).
+    /// [`Self::SINGLE_SIDED`], [`Self::HIDDEN`], [`Self::PARTED`], [`Self::GLASS`], and bits 8 to
+    /// 15 ([`Self::HOLES`]).
     pub flags: u32,
     /// Mean emitted radiance.
     pub emission: [f32; 3],
