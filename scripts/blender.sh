@@ -51,12 +51,13 @@ need_blender_libraries() {
         die "Blender needs libraries that are missing: ${missing[*]} (names of Debian's packages)."
 }
 
-# Sets `blender_env`; made again if the tools change.
+# Sets `blender_env`; made again if the tools change, or the Python that it was made with is gone.
 need_blender_env() {
     : "${target_dir:?call set_target_dir first}"
     blender_env=$target_dir/tools/blender
     local list="${blender_tools[*]}"
-    if [[ ! -f $blender_env/tools || $(<"$blender_env/tools") != "$list" ]]; then
+    if [[ ! -f $blender_env/tools || $(<"$blender_env/tools") != "$list" ]] ||
+        ! "$blender_env/bin/python" -c '' 2>/dev/null; then
         if [[ -n ${LUMIVOX_NO_INSTALL:-} ]]; then
             die "The environment of the tests in Blender is missing, and LUMIVOX_NO_INSTALL is set." \
                 "Unset it: $blender_env is made with pip."

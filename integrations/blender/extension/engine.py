@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import traceback
+import weakref
 from collections.abc import Callable
 from typing import Any
 
@@ -18,6 +19,7 @@ from .translate.camera import View, of_object, of_region
 from .translate.scene import key_of
 from .units import place
 from .viewport import Request, Viewport
+
 
 class Cancelled(Exception):
     """The user has stopped the render."""
@@ -83,14 +85,6 @@ class LumivoxEngine(bpy.types.RenderEngine):
     _texture: Any = None
     _history = 0
 
-    def __del__(self) -> None:
-        if self._viewport is not None:
-            self._viewport.close()
-        # Blender 5.1 and newer free the engine there.
-        end = getattr(super(), "__del__", None)
-        if end is not None:
-            end()
-
     # --- renders ---
 
     def update_render_passes(self, scene: Any = None, renderlayer: Any = None) -> None:
@@ -133,7 +127,7 @@ class LumivoxEngine(bpy.types.RenderEngine):
         reader.forget_all()
         self.update_stats("", "Lumivox: reading the scene")
         data = reader.read(depsgraph)
-        view = _camera_view(scene, depsgraph)
+        view = self._camera_view(depsgraph)
         settings = settings_of(scene, False)
         if self.is_preview:
             settings |= {"frames": 8, "resolution": 32}
@@ -197,12 +191,17 @@ class LumivoxEngine(bpy.types.RenderEngine):
         if all(known.name != "Vector" for known in asked):
             return None, None
         scene = depsgraph.scene
-        frame, moments = scene.frame_current, []
-        for other in (frame - 1, frame + 1):
-            self.frame_set(other, 0.0)
-            moments.append(Moment(_camera_view(scene, depsgraph), _matrices(depsgraph)))
-        self.frame_set(frame, scene.frame_subframe)
+        frame, subframe, moments = scene.frame_current, scene.frame_subframe, []
+        try:
+            for other in (frame - 1, frame + 1):
+                self.frame_set(other, subframe)
+                moments.append(Moment(self._camera_view(depsgraph), _matrices(depsgraph)))
+        finally:
+            self.frame_set(frame, subframe)
         return moments[0], moments[1]
+
+    def _camera_view(self, depsgraph: Any) -> View:
+        return camera_view(self.camera_override or depsgraph.scene.camera, depsgraph)
 
     # --- viewports ---
 
@@ -269,48 +268,60 @@ def status_of(session: Session, picture: Any, view: View) -> status.Status:
 
 
 def _redraw_when_ready(engine: LumivoxEngine) -> None:
-    """Redraws a viewport from Blender's own thread when its picture has become better."""
-    viewport, shown = engine._viewport, None
+    """Redraws a viewport from Blender's own thread when its picture has become better; closes it
+    when Blender has freed the engine."""
+    shown, known = None, weakref.ref(engine)
+    close = weakref.finalize(engine, engine._viewport.close)
 
     def look() -> float | None:
         nonlocal shown
-        if viewport.is_closed:
+        here = known()
+        if here is None:
             return None
-        if viewport.latest is not shown:
-            shown = viewport.latest
-            try:
-                engine.tag_redraw()
-            except ReferenceError:
-                viewport.close()
-                return None
+        try:
+            # All attributes of an engine that Blender has freed raise an error.
+            viewport = here._viewport
+            if viewport.latest is not shown:
+                shown = viewport.latest
+                here.tag_redraw()
+        except ReferenceError:
+            close()
+            return None
         return 0.03
 
-    bpy.app.timers.register(look)
+    # Viewports may outlive the file.
+    bpy.app.timers.register(look, persistent=True)
 
 
 def picture_size(render: Any) -> tuple[int, int]:
     """The size of a scene's pictures, without its region."""
-    share = render.resolution_percentage / 100.0
-    return max(1, int(render.resolution_x * share)), max(1, int(render.resolution_y * share))
+    lengths = (render.resolution_x, render.resolution_y)
+    width, height = (max(1, length * render.resolution_percentage // 100) for length in lengths)
+    return width, height
 
 
-def _camera_view(scene: Any, depsgraph: Any) -> View:
-    render = scene.render
+def camera_view(camera: Any, depsgraph: Any) -> View:
+    """What a render of a camera shows, or the region of it that is rendered."""
+    render = depsgraph.scene.render
     size = picture_size(render)
-    if scene.camera is None:
+    if camera is None:
         raise ValueError("the scene has no camera: add one with Add > Camera")
+    if render.pixel_aspect_x != render.pixel_aspect_y:
+        raise ValueError("pixels must be square: set both numbers of Output > Format > Aspect to 1")
     part = None
     if render.use_border:
-        left = int(render.border_min_x * size[0])
-        right = int(render.border_max_x * size[0])
-        bottom = int(render.border_min_y * size[1])
-        top = int(render.border_max_y * size[1])
+        left, right = _pixels(render.border_min_x, size[0]), _pixels(render.border_max_x, size[0])
+        bottom, top = _pixels(render.border_min_y, size[1]), _pixels(render.border_max_y, size[1])
         part = (left, size[1] - top, max(1, right - left), max(1, top - bottom))
-    camera = scene.camera.evaluated_get(depsgraph)
+    camera = camera.evaluated_get(depsgraph)
     if camera.data.type == "PANO":
         raise ValueError("panoramic cameras are not supported: choose a perspective one")
-    aspect = (render.pixel_aspect_x, render.pixel_aspect_y)
-    return of_object(camera, depsgraph, size, aspect, part)
+    return of_object(camera, depsgraph, size, part)
+
+
+def _pixels(share: float, length: int) -> int:
+    """A share of a length as Blender rounds it, in numbers of 32 bits."""
+    return int(np.float32(share) * np.float32(length))
 
 
 def _matrices(depsgraph: Any) -> dict[tuple[Any, ...], Any]:

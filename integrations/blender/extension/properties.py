@@ -130,7 +130,9 @@ def settings_of(scene: Any, is_preview: bool) -> dict[str, Any]:
 def box_of(scene: Any, depsgraph: Any) -> Any:
     """The lower and the upper corner of the box of voxels in Lumivox's world, or ``None``."""
     chosen = scene.lumivox.box
-    if chosen is None or scene.lumivox.use_cascades:
+    # The setting keeps a deleted object alive.
+    is_there = chosen is not None and chosen.name in scene.objects
+    if not is_there or scene.lumivox.use_cascades:
         return None
     evaluated = chosen.evaluated_get(depsgraph)
     if evaluated.type == "EMPTY":

@@ -17,6 +17,9 @@ from .units import nits
 Box = tuple[tuple[float, ...], tuple[float, ...]]
 Progress = Callable[[str, float, int], object]
 
+#: A scene whose longest edge is below this share of that of its voxels' box gets a box of its own.
+SMALLER = 0.5
+
 
 class Session:
     """Keeps a scene and its voxels on the device from one picture to the next."""
@@ -60,16 +63,21 @@ class Session:
         elif change == Change.SCENE:
             self._build(data, wanted, view, settings, box, progress)
         else:
+            old_grid, is_new = self._grid, not self._settings.keys() <= settings.keys()
             if change > Change.NOTHING:
                 _edit(self.scene, before, data)
-                if self._leaves_grid():
-                    self._grid = _union(self._grid, self.scene.bounds)
-                    change = Change.SCENE
-                    self._start(view, settings, progress)
-                else:
+                self._grid = self._fitting(settings)
+            if is_new:
+                # A renderer keeps settings that are not named.
+                self._grid = box or self.scene.bounds
+            if is_new or self._grid != old_grid:
+                change = Change.SCENE
+                self._start(view, settings, progress)
+            else:
+                if change > Change.NOTHING:
                     self.renderer.update(self.scene, progress)
-            if view.canvas != self.renderer.size or settings != self._settings:
-                self.renderer.set_settings(view.canvas, progress, **settings)
+                if view.canvas != self.renderer.size or settings != self._settings:
+                    self.renderer.set_settings(view.canvas, progress, **settings)
         self._settings = dict(settings)
         self.data, self.last_change = data, change
         return change
@@ -136,15 +144,20 @@ class Session:
             **settings,
         )
 
-    def _leaves_grid(self) -> bool:
+    def _fitting(self, settings: Mapping[str, Any]) -> Box | None:
+        """The box of voxels for the scene as it is now: the last one if it still fits."""
         bounds = self.scene.bounds
-        if self._box is not None or bounds is None:
-            return False
+        if self._box is not None or bounds is None or settings.get("volume") == "cascades":
+            return self._grid
         (low, high), (least, most) = bounds, self._grid
-        slack = 1e-3 * max(b - a for a, b in zip(least, most))
-        return any(a < b - slack for a, b in zip(low, least)) or any(
+        longest = max(b - a for a, b in zip(least, most))
+        if max(b - a for a, b in zip(low, high)) < SMALLER * longest:
+            return bounds
+        slack = 1e-3 * longest
+        leaves = any(a < b - slack for a, b in zip(low, least)) or any(
             a > b + slack for a, b in zip(high, most)
         )
+        return _union(self._grid, bounds) if leaves else self._grid
 
 
 def load(data: model.Scene, progress: Progress | None = None) -> Any:

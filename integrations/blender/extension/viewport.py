@@ -6,6 +6,7 @@ frames.
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -24,6 +25,9 @@ FIRST_S = 0.25
 #: The time without changes after which a finer picture begins, s: while a view is dragged, no frame
 #: of a fine one has to be waited for.
 STILL_S = 0.5
+#: The time after an error until the same picture may be tried again, s: to show the error asks for
+#: the picture, too.
+PAUSE_S = 1.0
 #: The most frames of a coarse picture.
 COARSE_FRAMES = 8
 #: How much coarser the first picture may be.
@@ -76,6 +80,7 @@ class Viewport:
         self._condition = threading.Condition()
         self._asked: Request | None = None
         self._request: Request | None = None
+        self._again_at_s = math.inf
         self._pixel_s = GUESS_S
         self._thread: threading.Thread | None = None
         self.latest: Shown | None = None
@@ -84,9 +89,11 @@ class Viewport:
     def ask(self, request: Request) -> bool:
         """Asks for a picture; whether it is another one than before."""
         with self._condition:
-            if self.is_closed or request.is_like(self._asked):
+            is_early = time.monotonic() < self._again_at_s
+            if self.is_closed or (is_early and request.is_like(self._asked)):
                 return False
             self._asked = self._request = request
+            self._again_at_s = math.inf
             if self._thread is None:
                 self._thread = threading.Thread(target=self._run, name="Lumivox", daemon=True)
                 self._thread.start()
@@ -122,6 +129,11 @@ class Viewport:
                     from .engine import explain as text_of
                 else:
                     text_of = self._explain
+                with self._condition:
+                    # The device may be lost.
+                    self._session = Session()
+                    if self._asked is request:
+                        self._again_at_s = time.monotonic() + PAUSE_S
                 blank = np.zeros((1, 1, 4), np.float32)
                 self.latest = Shown(blank, 0, 0, error=text_of(error))
 

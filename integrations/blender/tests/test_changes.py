@@ -139,6 +139,36 @@ def test_what_leaves_the_voxels_gets_larger_ones(box: Any) -> None:
     data, view = read()
     assert session.show(data, view, SMALL) == Change.SCENE
     assert session.renderer.voxel_size_m > 1.5 * size
+    # Smaller ones again when it has come back.
+    bpy.data.objects["box"].location.x -= 6.0
+    bpy.data.objects["floor"].scale = (0.4, 0.4, 0.4)
+    bpy.context.view_layer.update()
+    data, view = read()
+    assert session.show(data, view, SMALL) == Change.SCENE
+    fresh = Session()
+    fresh.show(data, view, SMALL)
+    assert session.renderer.voxel_size_m == fresh.renderer.voxel_size_m
+
+
+def test_cascades_do_not_depend_on_the_bounds(box: Any) -> None:
+    settings = {"frames": 1, "bounces": 1, "volume": "cascades", "cascades": 2, "cascade_resolution": 32}
+    session = Session()
+    data, view = read()
+    session.show(data, view, settings)
+    renderer = session.renderer
+    bpy.data.objects["box"].location.x += 6.0
+    bpy.context.view_layer.update()
+    data, view = read()
+    assert session.show(data, view, settings) < Change.SCENE and session.renderer is renderer
+    fresh = Session()
+    fresh.show(data, view, settings)
+    np.testing.assert_array_equal(session.picture(view).radiance, fresh.picture(view).radiance)
+    # Without them there is one box again, around all that is there now.
+    session.show(data, view, SMALL)
+    assert session.renderer.settings["volume"] != "cascades"
+    fresh = Session()
+    fresh.show(data, view, SMALL)
+    np.testing.assert_array_equal(session.picture(view).radiance, fresh.picture(view).radiance)
 
 
 def test_other_settings_and_sizes_keep_the_scene(box: Any) -> None:

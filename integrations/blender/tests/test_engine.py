@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
@@ -14,9 +15,10 @@ import pytest
 import lumivox
 import scenes
 from conftest import HERE, SMALL, color, environment, read, small
-from extension import engine, status
+from extension import engine, passes, status
 from extension.engine import KEPT, Cancelled
 from extension.operators import run_program
+from extension.properties import box_of
 from extension.session import Session
 from extension.units import LUMENS_PER_WATT
 
@@ -112,6 +114,47 @@ def test_a_region_of_the_picture(box: Any, exr: Any) -> None:
     # Cones differ with the place in the picture.
     np.testing.assert_allclose(part, whole[:12, 8:24], atol=0.15 * whole.max())
     assert abs(part.mean() / whole[:12, 8:24].mean() - 1.0) < 0.02
+
+
+def test_sizes_are_those_of_blender(box: Any, exr: Any) -> None:
+    box.render.resolution_x, box.render.resolution_y = 100, 170
+    box.render.resolution_percentage = 29
+    box.render.use_border = box.render.use_crop_to_border = True
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    for edge in (0.7, 5 / 29, 0.9):
+        box.render.border_min_x, box.render.border_max_x = 0.0, edge
+        box.render.border_min_y, box.render.border_max_y = 1.0 - edge, 1.0
+        view = engine.camera_view(box.camera, depsgraph)
+        assert (view.height, view.width) == color(exr("CYCLES", samples=1)).shape[:2], edge
+
+
+def test_pixels_that_are_not_square_are_an_error(box: Any) -> None:
+    box.render.pixel_aspect_x = 2.0
+    with pytest.raises(RuntimeError, match="square"):
+        bpy.ops.render.render()
+
+
+def test_the_frames_around_one_leave_its_time(box: Any) -> None:
+    other = scenes._camera((3, -5, 2.5), (0, 0, 0.4), lens=40)
+    other.location.x = 4.0
+    taken: list[tuple[int, float]] = []
+
+    def frame_set(frame: int, subframe: float) -> None:
+        taken.append((frame, subframe))
+        box.frame_set(frame, subframe=subframe)
+
+    shown = SimpleNamespace(frame_set=frame_set, camera_override=other)
+    shown._camera_view = lambda known: engine.LumivoxEngine._camera_view(shown, known)
+    box.frame_set(7, subframe=0.25)
+    asked = [known for known in passes.PASSES if known.name == "Vector"]
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    before, _ = engine.LumivoxEngine._neighbours(shown, depsgraph, asked)
+    assert taken == [(6, 0.25), (8, 0.25), (7, 0.25)]
+    assert before.view.position[0] == pytest.approx(4.0)
+    box.render.pixel_aspect_x = 2.0
+    with pytest.raises(ValueError, match="square"):
+        engine.LumivoxEngine._neighbours(shown, depsgraph, asked)
+    assert (box.frame_current, box.frame_subframe) == (7, 0.25)
 
 
 def test_a_stopped_render_leaves_a_usable_session(box: Any) -> None:
@@ -217,8 +260,6 @@ def test_an_irradiance_volume_is_baked(box: Any, tmp_path: Path) -> None:
 def test_the_box_of_voxels_follows_its_object(box: Any) -> None:
     assert bpy.ops.lumivox.add_box() == {"FINISHED"}
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    from extension.properties import box_of
-
     low, high = box_of(box, depsgraph)
     np.testing.assert_allclose((low, high), ((-2, 0, -2), (2, 1, 2)), atol=1e-3)
     box.lumivox.box.scale = (0.5, 0.5, 0.5)
@@ -229,6 +270,12 @@ def test_the_box_of_voxels_follows_its_object(box: Any) -> None:
     assert session.renderer.voxel_size_m == pytest.approx(1.0 / 16.0, rel=0.3)
     session.show(data, view, SMALL)
     assert session.renderer.voxel_size_m > 0.2
+    # The setting keeps an object that was deleted.
+    bpy.ops.object.select_all(action="DESELECT")
+    box.lumivox.box.select_set(True)
+    bpy.ops.object.delete()
+    assert box.lumivox.box is not None
+    assert box_of(box, bpy.context.evaluated_depsgraph_get()) is None
 
 
 def test_notes_are_told_once(box: Any) -> None:

@@ -197,6 +197,77 @@ def test_roughness_and_metallic_of_two_images_become_one(look: Any) -> None:
     np.testing.assert_allclose(packed.pixels[1:3], (0.2, 0.8), atol=1 / 255)
 
 
+def unpacked(image: model.Image) -> np.ndarray:
+    """The first pixel of an image."""
+    loaded = bpy.data.images.new("unpacked", 1, 1, is_data=True)
+    loaded.pack(data=image.data, data_len=len(image.data))
+    loaded.source = "FILE"
+    return np.array(loaded.pixels[:4])
+
+
+@pytest.mark.parametrize("name, channel, expected", (("Roughness", "Green", (0.5, 1.0)), ("Metallic", "Blue", (1.0, 0.75))))
+def test_the_channel_without_an_image_is_one(look: Any, name: str, channel: str, expected: Any) -> None:
+    node = _node(look, "ShaderNodeSeparateColor", channel, name)
+    texture = look.node_tree.nodes.new("ShaderNodeTexImage")
+    texture.image = scenes.image("parts", np.full((4, 4, 3), (0.25, 0.5, 0.75), np.float32), is_data=True)
+    look.node_tree.links.new(texture.outputs["Color"], node.inputs[0])
+    found, told = translated(look)
+    assert told == ()
+    np.testing.assert_allclose(
+        unpacked(found.textures["metallic_roughness"].image)[1:3], expected, atol=1 / 255
+    )
+
+
+def test_one_image_is_read_apart_for_roughness_and_metallic(look: Any) -> None:
+    image = scenes.image("grey", np.full((4, 4, 3), 0.5, np.float32), is_data=True)
+    images, notes = Images(), Notes()
+    rough = images.packed((image, 0), None, notes)
+    metal = images.packed(None, (image, 0), notes)
+    np.testing.assert_allclose(unpacked(rough)[1:3], (0.5, 1.0), atol=1 / 255)
+    np.testing.assert_allclose(unpacked(metal)[1:3], (1.0, 0.5), atol=1 / 255)
+
+
+def test_numbers_in_srgb_are_decoded(look: Any) -> None:
+    """Roughness, metallic and normals of images whose colour space is that of colours."""
+    image = scenes.image("encoded", encode_srgb(np.full((4, 4, 3), (0.1, 0.3, 0.6), np.float32)))
+    images, notes = Images(), Notes()
+    np.testing.assert_allclose(unpacked(images.data(image, notes))[:3], (0.1, 0.3, 0.6), atol=1 / 255)
+    both = images.packed((image, 0), (image, 0), notes)
+    np.testing.assert_allclose(unpacked(both)[1:3], (0.1, 0.1), atol=1 / 255)
+
+
+def test_muted_nodes_are_passed(look: Any) -> None:
+    node = _node(look, "ShaderNodeRGB", 0, "Base Color")
+    node.outputs[0].default_value = (0.9, 0.1, 0.1, 1.0)
+    node.mute = True
+    assert translated(look)[0].base_color == pytest.approx((0.2, 0.4, 0.6))
+    tree = look.node_tree
+    mix = _node(look, "ShaderNodeMix", 2, "Base Color")
+    mix.data_type, mix.blend_type = "RGBA", "MULTIPLY"
+    result = next(socket for socket in mix.outputs if socket.type == "RGBA")
+    first, second = (socket for socket in mix.inputs if socket.type == "RGBA")
+    tree.links.new(result, scenes._principled(look).inputs["Base Color"])
+    mix.inputs["Factor"].default_value, second.default_value = 1.0, (0.5, 0.5, 0.5, 1.0)
+    node.mute = False
+    tree.links.new(node.outputs[0], first)
+    assert translated(look)[0].base_color == pytest.approx((0.45, 0.05, 0.05))
+    mix.mute = True
+    assert translated(look)[0].base_color == pytest.approx((0.9, 0.1, 0.1))
+
+
+def test_notes_on_meshes_stay_after_edits(look: Any) -> None:
+    scenes._texture(look, "Base Color", scenes.image("dots", np.ones((4, 4, 3), np.float32)))
+    look.node_tree.nodes["Image Texture"].extension = "CLIP"
+    plane = scenes._quad("plane", (-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1), look)
+    while plane.data.uv_layers:
+        plane.data.uv_layers.remove(plane.data.uv_layers[0])
+    bpy.context.view_layer.update()
+    reader, depsgraph = Reader(), bpy.context.evaluated_depsgraph_get()
+    first = reader.read(depsgraph).notes
+    assert any("Clip" in note for note in first) and any("lacks" in note for note in first)
+    assert reader.read(depsgraph).notes == first
+
+
 def test_color_attributes_multiply(exr: Any) -> None:
     scenes._begin(world=(1.0, 1.0, 1.0))
     look = scenes.material("painted", (1, 1, 1))

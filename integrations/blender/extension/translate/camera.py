@@ -150,14 +150,10 @@ def of_object(
     camera: Any,
     depsgraph: Any,
     size: tuple[int, int],
-    pixel_aspect: tuple[float, float] = (1.0, 1.0),
     part: tuple[int, int, int, int] | None = None,
 ) -> View:
-    """The view of an evaluated camera."""
-    width, height = size
-    projection = camera.calc_matrix_camera(
-        depsgraph, x=width, y=height, scale_x=pixel_aspect[0], scale_y=pixel_aspect[1]
-    )
+    """The view of an evaluated camera, in square pixels."""
+    projection = camera.calc_matrix_camera(depsgraph, x=size[0], y=size[1])
     return view(camera.matrix_world, projection, size, camera.data.clip_start, part)
 
 

@@ -37,26 +37,24 @@ class Images:
     def packed(
         self, rough: tuple[Any, int] | None, metal: tuple[Any, int] | None, notes: Notes
     ) -> model.Image | None:
-        """Roughness in green and metallic in blue, each from a channel of an image."""
+        """Roughness in green and metallic in blue, each from a channel of an image; 1 without."""
+        if rough and metal and rough[0] == metal[0] and (rough[1], metal[1]) == (1, 2):
+            return self.data(rough[0], notes)
         sources = [source for source in (rough, metal) if source is not None]
-        if len({image.name_full for image, _ in sources}) == 1:
-            channels = [source[1] if source else None for source in (rough, metal)]
-            if channels[0] in (None, 1) and channels[1] in (None, 2):
-                return self.data(sources[0][0], notes)
-        key = ("packed", *((image.name_full, channel) for image, channel in sources))
-        names = tuple(image.name_full for image, _ in sources)
-        key = (*key, *names)
+        wanted = [1] * (rough is not None) + [2] * (metal is not None)
+        names = (image.name_full for image, _ in sources)
+        channels = (channel for _, channel in sources)
+        key = ("packed", *names, *channels, *wanted)
         if key not in self._known:
             grids = []
             for image, channel in sources:
-                pixels = pixels_of(image)
+                pixels = numbers_of(image)
                 if pixels is None:
                     return self._missing(key, image, notes)
-                grids.append(_levels(pixels, False)[..., channel])
+                grids.append(_levels(pixels)[..., channel])
             height = max(len(grid) for grid in grids)
             width = max(grid.shape[1] for grid in grids)
             whole = np.full((height, width, 3), 255, np.uint8)
-            wanted = [1] * (rough is not None) + [2] * (metal is not None)
             for channel, grid in zip(wanted, grids):
                 rows = np.arange(height) * len(grid) // height
                 columns = np.arange(width) * grid.shape[1] // width
@@ -69,11 +67,12 @@ class Images:
         if key not in self._known:
             stored = _file(image, is_color=use == "color")
             if stored is None:
-                pixels = pixels_of(image)
+                pixels = pixels_of(image) if use == "color" else numbers_of(image)
                 if pixels is None:
                     return self._missing(key, image, notes)
-                to_srgb = use == "color" and (image.is_float or not _is_srgb(image))
-                stored = _png(_levels(pixels, to_srgb))
+                if use == "color" and not _is_encoded(image):
+                    pixels = np.concatenate((encode_srgb(pixels[..., :3]), pixels[..., 3:]), axis=2)
+                stored = _png(_levels(pixels))
             self._known[key] = model.Image(model.digest(stored), stored)
         return self._known[key]
 
@@ -90,15 +89,16 @@ class Images:
         return None
 
 
-def _is_srgb(image: Any) -> bool:
-    return image.colorspace_settings.name in ("sRGB", "Filmic sRGB")
+def _is_encoded(image: Any) -> bool:
+    """Whether the pixels are encoded as sRGB; Blender has decoded those of floats."""
+    return not image.is_float and image.colorspace_settings.name in ("sRGB", "Filmic sRGB")
 
 
 def _file(image: Any, is_color: bool) -> bytes | None:
     """The bytes of the image's own file, if glTF may contain them as they are."""
     if image.source != "FILE" or image.is_dirty or image.is_float:
         return None
-    if is_color and not _is_srgb(image):
+    if is_color != _is_encoded(image):
         return None
     if image.packed_file is not None:
         stored = bytes(image.packed_file.data)
@@ -132,11 +132,16 @@ def pixels_of(image: Any) -> np.ndarray | None:
 
 def linear_pixels(image: Any) -> np.ndarray | None:
     """The pixels (H, W, 3) in linear light."""
+    pixels = numbers_of(image)
+    return None if pixels is None else pixels[..., :3]
+
+
+def numbers_of(image: Any) -> np.ndarray | None:
+    """The pixels (H, W, 4) as nodes see them: decoded, if their colour space is sRGB."""
     pixels = pixels_of(image)
-    if pixels is None:
-        return None
-    colors = pixels[..., :3]
-    return colors if image.is_float or not _is_srgb(image) else decode_srgb(colors)
+    if pixels is None or not _is_encoded(image):
+        return pixels
+    return np.concatenate((decode_srgb(pixels[..., :3]), pixels[..., 3:]), axis=2)
 
 
 def decode_srgb(encoded: np.ndarray) -> np.ndarray:
@@ -149,9 +154,7 @@ def encode_srgb(linear: np.ndarray) -> np.ndarray:
     return np.where(linear <= 0.0031308, low, high).astype(np.float32)
 
 
-def _levels(pixels: np.ndarray, to_srgb: bool) -> np.ndarray:
-    if to_srgb:
-        pixels = np.concatenate((encode_srgb(pixels[..., :3]), pixels[..., 3:]), axis=2)
+def _levels(pixels: np.ndarray) -> np.ndarray:
     return np.rint(np.clip(pixels, 0.0, 1.0) * 255.0).astype(np.uint8)
 
 

@@ -322,6 +322,8 @@ class _Surface:
             return
         if node.projection != "FLAT":
             self.tell(f"the projection of the node {node.name} is not supported; it is flat")
+        if node.extension == "CLIP":
+            self.tell(f"the extension Clip of the node {node.name} is not supported; it is Extend")
         smooth = node.interpolation != "Closest"
         self.textures[slot] = model.Texture(image, uv, node.extension, smooth)
 
@@ -364,16 +366,24 @@ class _Surface:
 
 
 def source(socket: Any) -> tuple[Any, Any] | None:
-    """The node and the output that a socket is linked to, through reroutes and muted links."""
+    """The node and the output that a socket is linked to, through reroutes and muted nodes;
+    ``None`` behind a muted link."""
     seen = 0
     while socket.is_linked and seen < 64:
         link = socket.links[0]
         if link.is_muted or not link.is_valid:
             return None
-        node = link.from_node
-        if node.bl_idname != "NodeReroute":
-            return node, link.from_socket
-        socket, seen = node.inputs[0], seen + 1
+        node, output = link.from_node, link.from_socket
+        if node.bl_idname == "NodeReroute":
+            socket = node.inputs[0]
+        elif node.mute:
+            passed = [inner.from_socket for inner in node.internal_links if output == inner.to_socket]
+            if not passed:
+                return None
+            socket = passed[0]
+        else:
+            return node, output
+        seen += 1
     return None
 
 

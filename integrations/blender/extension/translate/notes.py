@@ -13,5 +13,9 @@ class Notes:
         """Notes a sentence about a thing of the scene."""
         self._told.setdefault(f"{about}: {sentence}")
 
+    def take(self, other: Notes) -> None:
+        """Notes all sentences of others as well."""
+        self._told |= other._told
+
     def all(self) -> tuple[str, ...]:
         return tuple(self._told)

@@ -27,7 +27,7 @@ class Reader:
     def __init__(self) -> None:
         self._images = Images()
         self._worlds = Worlds()
-        self._meshes: dict[str, list[tuple[int, model.Mesh]]] = {}
+        self._meshes: dict[str, tuple[list[tuple[int, model.Mesh]], Notes]] = {}
 
     def forget_all(self) -> None:
         """Reads everything again: for another frame or another file."""
@@ -156,13 +156,16 @@ class Reader:
         key = f"{data.name_full}\n{owner}\n{data.as_pointer()}\n{needs}"
         used.add(key)
         if key not in self._meshes:
-            mesh = thing.to_mesh()
+            mesh, told = thing.to_mesh(), Notes()
             try:
                 name = f"{data.name_full} of {owner}" if owner else data.name_full
-                self._meshes[key] = meshes.parts(name, mesh, looks, notes) if mesh else []
+                found = meshes.parts(name, mesh, looks, told) if mesh else []
             finally:
                 thing.to_mesh_clear()
-        return self._meshes[key]
+            self._meshes[key] = found, told
+        found, told = self._meshes[key]
+        notes.take(told)
+        return found
 
 
 def _has_nodes(changed: Any) -> bool:
