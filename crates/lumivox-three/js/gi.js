@@ -28,7 +28,7 @@ export class Gi {
     #camera = new Float32Array(22);
     #notes = new Set();
     #isDisposed = false;
-    /** The frame that has been updated, and whether anything in it asked for probes. */
+    /** The frame that has been updated, and whether anything since then asked for probes. */
     #frameId = -1;
     #hasProbes = false;
     #stats = { late: true, voxels: 0, faces: 0 };
@@ -136,19 +136,24 @@ export class Gi {
         try {
             this.update();
         } catch (error) {
-            const text = `a frame has no new light: ${error.message}`;
-            if (!this.notes.includes(text)) console.error(error);
-            this.note(text);
+            this.#noteError(`a frame has no new light: ${error.message}`, error);
         }
     }
 
-    /** The light in the air, for `ProbeNode`. From then on it is updated. */
+    /** The light in the air, for `ProbeNode`; null after `dispose` if there was none before, and
+     * after an error, which is noted. */
     probes() {
-        this.#hasProbes = true;
-        return this.outputs.probesOf(this.#shared.probes());
+        if (this.outputs.probes === null && !this.#isDisposed) {
+            try {
+                this.outputs.setProbes(this.#shared.probes());
+            } catch (error) {
+                this.#noteError(`transparent materials have no indirect light: ${error.message}`, error);
+            }
+        }
+        return this.outputs.probes;
     }
 
-    /** Frees all memory on the GPU. Materials then keep the light of the last frame. */
+    /** Frees all memory on the GPU. Materials are then without its light. */
     dispose() {
         if (this.#isDisposed) return;
         this.#isDisposed = true;
@@ -159,12 +164,20 @@ export class Gi {
         this.#shared.free();
     }
 
-    /** Makes the first voxels, so that no frame is shown without them. */
+    #noteError(text, error) {
+        if (!this.notes.includes(text)) console.error(error);
+        this.note(text);
+    }
+
+    /** Makes the first voxels, then lights all probes: no frame is shown without them. */
     async #begin() {
         const { queue } = this.#renderer.backend.device;
         for (let frame = 0; frame < FIRST_FRAMES && this.#stats.late; frame += 1) {
             this.update();
             await queue.onSubmittedWorkDone();
+        }
+        if (this.outputs.probes !== null) {
+            while (!this.#shared.lightProbes()) await queue.onSubmittedWorkDone();
         }
         this.cut();
     }

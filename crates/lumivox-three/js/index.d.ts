@@ -75,7 +75,7 @@ export interface Gi {
     cut(): void;
     /** Computes the light of a frame. Passes with `context` do so themselves; it is for pages that use the textures alone. */
     update(): void;
-    /** Frees all memory on the GPU. */
+    /** Frees all memory on the GPU. Materials are then without its light. */
     dispose(): void;
 }
 

@@ -1,27 +1,25 @@
 // The results of the cones, as nodes of TSL.
 
-import { ExternalTexture, HalfFloatType, LinearFilter, Node, NodeUpdateType, NoColorSpace } from "three/webgpu";
+import { Data3DTexture, DataTexture, ExternalTexture, HalfFloatType, LinearFilter, Node, NodeUpdateType, NoColorSpace } from "three/webgpu";
 import { clamp, metalness, normalWorld, positionWorld, screenUV, select, texture, texture3D, vec3 } from "three/tsl";
 
 /** The output textures of a frame. */
 export class Outputs {
-    #probes = null;
+    /** The light of probes and their place, once `setProbes` has been called. */
+    probes = null;
 
     constructor() {
         this.irradiance = texture(wrapped(null));
         this.reflection = texture(wrapped(null));
     }
 
-    /** The light of probes and their place, from `SharedGi.probes`. */
-    probesOf([source, x, y, z, edge, a, b, c]) {
-        if (this.#probes === null) {
-            const external = wrapped(source);
-            external.is3DTexture = true;
-            external.image.depth = source.depthOrArrayLayers;
-            const [low, cells] = [vec3(x, y, z), vec3(a, b, c)];
-            this.#probes = { probes: texture3D(external), low, cells, size: cells.mul(edge) };
-        }
-        return this.#probes;
+    /** Sets what `SharedGi.probes` returned. */
+    setProbes([source, x, y, z, edge, a, b, c]) {
+        const external = wrapped(source);
+        external.is3DTexture = true;
+        external.image.depth = source.depthOrArrayLayers;
+        const [low, cells] = [vec3(x, y, z), vec3(a, b, c)];
+        this.probes = { light: texture3D(external), low, cells, size: cells.mul(edge) };
     }
 
     /** Replaces the textures when the size changes. */
@@ -31,15 +29,25 @@ export class Outputs {
         this.reflection.value = wrapped(reflection);
     }
 
+    /** Leaves materials without light: `SharedGi` destroys its textures. */
     dispose() {
         this.#disposeScreen();
-        this.#probes?.probes.value.dispose();
+        for (const node of [this.irradiance, this.reflection]) node.value = dark(new DataTexture(new Uint8Array(4), 1, 1));
+        if (this.probes === null) return;
+        const { light } = this.probes;
+        light.value.dispose();
+        light.value = dark(new Data3DTexture(new Uint8Array(4), 1, 1, 1));
     }
 
     #disposeScreen() {
         this.irradiance.value.dispose();
         this.reflection.value.dispose();
     }
+}
+
+function dark(made) {
+    made.needsUpdate = true;
+    return made;
 }
 
 function wrapped(source) {
@@ -110,7 +118,9 @@ export class ProbeNode extends Node {
         const { iblIrradiance } = builder.context;
         if (builder.material?.envMap) iblIrradiance?.mulAssign(metalness);
         else iblIrradiance?.assign(vec3(0));
-        const { probes, low, size, cells } = this.gi.probes();
+        const probes = this.gi.probes();
+        if (probes === null) return vec3(0);
+        const { low, size, cells } = probes;
         // Within the centres of the outermost cells: behind them in the texture are others.
         const inset = vec3(0.5).div(cells);
         const place = clamp(positionWorld.sub(low).div(size), inset, inset.oneMinus()).toConst();
@@ -119,7 +129,7 @@ export class ProbeNode extends Node {
         const light = ["x", "y", "z"].map((axis, at) => {
             const isNegative = select(normalWorld[axis].lessThan(0), 1, 0);
             const uv = vec3(place.x, place.y.add(isNegative).div(2), place.z.add(at).div(3));
-            return probes.sample(uv).level(0).rgb.mul(share[axis]);
+            return probes.light.sample(uv).level(0).rgb.mul(share[axis]);
         });
         // The texture has the radiance of white surfaces.
         return light[0].add(light[1]).add(light[2]).mul(Math.PI);

@@ -381,6 +381,25 @@ impl SharedGi {
         Ok(vec![u32::from(status.is_late), status.voxels, status.faces])
     }
 
+    /// Records and submits a turn of the probes, and a bounce of the voxels' light, without a
+    /// picture. Returns `true` once all probes have gathered.
+    #[wasm_bindgen(js_name = lightProbes)]
+    pub fn light_probes(&mut self) -> Result<bool, JsValue> {
+        let Some(probes) = &mut self.probes else { return Ok(true) };
+        let mut encoder =
+            self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut recorder = Recorder::on(&self.device, &self.queue, &mut encoder);
+        let (settings, lights) = (&self.settings, &self.lights);
+        let faces_per_frame = self.faces_per_frame;
+        let frame = Frame { faces_per_frame, ..Frame::new(&self.geometry, lights, settings) };
+        let status = self.gi.frame(&mut recorder, frame);
+        let gathered = probes.record((&self.gi, lights), settings, &mut recorder);
+        drop(recorder);
+        self.queue.submit([encoder.finish()]);
+        gathered.and(status).map_err(PageError::from)?;
+        Ok(probes.are_lit())
+    }
+
     /// Forgets the light of earlier frames: for a cut.
     pub fn cut(&mut self) {
         if let Some(view) = &mut self.view {

@@ -565,11 +565,12 @@ async function start() {
         void attempt(ask("split", linked.split));
     }
     const dropped = await droppedBefore();
-    if (dropped.length > 0) await open(dropped);
+    if (dropped.length > 0 && !isPanorama(dropped)) await open(dropped);
     if (!opened) await open(linked.scene ?? `builtin:${catalogue.scenes[0].name}`, linked.camera, linked.environment);
     if (linked.environment !== undefined) await turnSurroundings(linked);
     // Fall back to a built-in scene if the link's fails.
     if (!opened && linked.scene !== undefined) await open(`builtin:${catalogue.scenes[0].name}`);
+    if (isPanorama(dropped)) await surround(dropped);
 }
 
 void start().catch(fail);

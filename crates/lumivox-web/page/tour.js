@@ -134,10 +134,7 @@ async function turnTo(name) {
     shown = name;
     if (name === "") return;
     const chapter = CHAPTERS[name];
-    const next = { ...USUAL, ...(speed?.settings ?? FIRST), ...chapter.settings, ...chosen[name] };
-    const changed = Object.entries(next).filter(([key, value]) => settings[key] !== value);
-    settings = next;
-    if (changed.length > 0) await ask("set", Object.fromEntries(changed));
+    await setFor(name);
     if (scene !== chapter.scene) {
         scene = chapter.scene;
         const onProgress = (/** @type {import("./types.js").Progress} */ { stage, done, total }) => {
@@ -153,6 +150,14 @@ async function turnTo(name) {
     figureOf(name).querySelector("img")?.after(canvas);
     resize();
     [began, frames] = [performance.now(), 0];
+}
+
+/** Gives the renderer the settings of a chapter, as the visitor left it. @param {string} name */
+async function setFor(name) {
+    const next = { ...USUAL, ...(speed?.settings ?? FIRST), ...CHAPTERS[name].settings, ...chosen[name] };
+    const changed = Object.entries(next).filter(([key, value]) => settings[key] !== value);
+    settings = next;
+    if (changed.length > 0) await ask("set", Object.fromEntries(changed));
 }
 
 /** @param {FrameReport} report */
@@ -191,8 +196,7 @@ function learn(ms) {
     speed = SPEEDS.find(({ upTo }) => fastest <= upTo);
     void ask("budget", speed?.budget).catch(fail);
     resize();
-    settings = { ...settings, ...speed?.settings };
-    void ask("set", speed?.settings).catch(fail);
+    void setFor(shown).catch(fail);
 }
 
 function resize() {

@@ -1,5 +1,5 @@
 // The first page, on a phone: its room moves, chapters follow the scrolling, controls change the
-// light, the benchmark's file can be imported, and a dropped model opens in the viewer.
+// light, the benchmark's file can be imported, and dropped files open in the viewer.
 
 import assert from "node:assert/strict";
 import { writeFile } from "node:fs/promises";
@@ -7,6 +7,7 @@ import { after, before, test } from "node:test";
 import { App, LINK } from "./harness/app.mjs";
 import { Session } from "./harness/browser.mjs";
 import { OBJ } from "./harness/files.mjs";
+import { panorama } from "./harness/panorama.mjs";
 import { freshPath, native } from "./harness/picture.mjs";
 
 const PHONE = { viewport: { width: 360, height: 640 }, hasTouch: true, isMobile: true, acceptDownloads: true };
@@ -138,6 +139,20 @@ test("a dropped model opens in the viewer", async () => {
     await app.page.waitForSelector('#title:text-is("corner")', { state: "attached" });
     // Without its .mtl the floor would have another name.
     assert.deepEqual((await app.call("materials")).map((/** @type {{ name: string }} */ { name }) => name), ["floor", "lamp"]);
+    await app.messages.check();
+});
+
+test("the first chapter in view keeps its settings when the speed is known", async () => {
+    await app.page.goto(`${session.address}#voxels`);
+    await app.page.locator("#state", { hasText: /^Live: 96 x / }).waitFor();
+    assert.equal((await app.call("settings")).resolution, 48);
+});
+
+test("a dropped panorama is put around the viewer's first scene", async () => {
+    await app.drop([{ name: "hall.hdr", bytes: panorama() }]);
+    await app.page.waitForURL(/viewer\.html#/);
+    await app.page.waitForSelector('#panorama:has-text("hall")', { state: "attached" });
+    assert.ok((await app.call("scene")).objects.length > 0);
     await app.messages.check();
 });
 

@@ -13,12 +13,18 @@ renderer.setSize(SIZE, SIZE, false);
 const scene = new THREE.Scene();
 const camera = new THREE.PerspectiveCamera(60, 1, 0.05, 20);
 const bounds = new THREE.Box3(new THREE.Vector3(-1.2, -1.2, -1.2), new THREE.Vector3(1.2, 1.2, 1.2));
+// Glass in a closed room, lit in its first frame.
+const firsts = [furnaceRoom(), clear(0.3)];
+firsts[1].scale.setScalar(0.6);
+scene.add(...firsts);
 const gi = await createGi(renderer, { scene, camera, bounds, resolution: 32, preset: "balanced" });
 const view = pass(scene, camera, { samples: 0 });
 view.contextNode = gi.context;
 const pipeline = new THREE.RenderPipeline(renderer, view);
 pipeline.outputColorTransform = false;
 const target = new THREE.RenderTarget(SIZE, SIZE, { type: THREE.FloatType });
+const first = (await picture(1))[0];
+scene.remove(...firsts);
 
 /** Mean red, green and blue of the picture, over the last half of the frames. */
 async function picture(frames = 24, move = () => {}) {
@@ -31,9 +37,9 @@ async function picture(frames = 24, move = () => {}) {
         pipeline.render();
         renderer.setRenderTarget(null);
         await renderer.backend.device.queue.onSubmittedWorkDone();
-        if (frame < frames / 2) continue;
+        if (frame < Math.floor(frames / 2)) continue;
         const texels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, SIZE, SIZE);
-        for (let at = 0; at < texels.length; at += 1) if (at % 4 < 3) sum[at % 4] += texels[at] / (SIZE * SIZE * (frames - Math.ceil(frames / 2)));
+        for (let at = 0; at < texels.length; at += 1) if (at % 4 < 3) sum[at % 4] += texels[at] / (SIZE * SIZE * (frames - Math.floor(frames / 2)));
     }
     return sum;
 }
@@ -54,7 +60,24 @@ async function during(objects, measure) {
     }
 }
 
-const matte = (options) => new THREE.MeshLambertMaterial(options);
+function matte(options) {
+    return new THREE.MeshLambertMaterial(options);
+}
+
+/** A closed room that reflects half and emits 1. */
+function furnaceRoom() {
+    return new THREE.Mesh(new THREE.BoxGeometry(2, 2, 2), matte({ color: new THREE.Color(0.5, 0.5, 0.5), emissive: 0xffffff, side: THREE.BackSide }));
+}
+
+/** A transparent wall outside the voxels that reflects half, seen from half a metre before it. */
+function clear(turn) {
+    const made = wall(turn, new THREE.Color(0.5, 0.5, 0.5));
+    Object.assign(made.material, { transparent: true });
+    made.userData.gi = false;
+    const normal = new THREE.Vector3(0, 0, 1).applyAxisAngle(new THREE.Vector3(0, 1, 0), turn);
+    look(normal.multiplyScalar(0.5).toArray(), [0, 0, 0]);
+    return made;
+}
 
 /** A sky that is bright in the half towards +x. */
 function halfSky(dark, bright) {
@@ -81,11 +104,11 @@ async function withSky(sky) {
     }
 }
 
-const wall = (turn, color = 0xffffff) => {
+function wall(turn, color = 0xffffff) {
     const made = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), matte({ color }));
     made.rotation.y = turn;
     return made;
-};
+}
 
 /** Radiance of a wall that faces +x (turn 90°) or -z (turn 180°), from a metre before it. */
 async function wallIn(sky, turn, environmentTurn) {
@@ -103,8 +126,7 @@ const forms = {
     /** A closed room that reflects half and emits 1: its radiance is 2 everywhere. */
     async furnace() {
         look([0.3, 0.2, 0.1], [-1, -0.4, -0.7]);
-        const room = new THREE.Mesh(new THREE.BoxGeometry(2, 2, 2), matte({ color: new THREE.Color(0.5, 0.5, 0.5), emissive: 0xffffff, side: THREE.BackSide }));
-        return during([room], () => picture());
+        return during([furnaceRoom()], () => picture());
     },
     /** The furnace's room, mirrored, with vertex colours that its material does not use. */
     async mirrored() {
@@ -124,18 +146,9 @@ const forms = {
     /** Transparent walls outside the voxels, lit by probes: in the furnace, and under a sky
      * that is bright towards +x, facing +x, -z and -x. */
     async air() {
-        const clear = (turn) => {
-            const made = wall(turn, new THREE.Color(0.5, 0.5, 0.5));
-            Object.assign(made.material, { transparent: true });
-            made.userData.gi = false;
-            const normal = new THREE.Vector3(0, 0, 1).applyAxisAngle(new THREE.Vector3(0, 1, 0), turn);
-            look(normal.multiplyScalar(0.5).toArray(), [0, 0, 0]);
-            return made;
-        };
-        const room = new THREE.Mesh(new THREE.BoxGeometry(2, 2, 2), matte({ color: new THREE.Color(0.5, 0.5, 0.5), emissive: 0xffffff, side: THREE.BackSide }));
         const inside = clear(0.3);
         inside.scale.setScalar(0.6);
-        const seen = { room: (await during([room, inside], () => picture()))[0] };
+        const seen = { first, room: (await during([furnaceRoom(), inside], () => picture()))[0] };
         const sky = halfSky(0, 1);
         for (const [name, turn] of [["toX", Math.PI / 2], ["toZ", Math.PI], ["fromX", -Math.PI / 2]]) {
             const made = clear(turn);
@@ -168,11 +181,15 @@ const forms = {
         moving.dispose();
         return sum;
     },
-    /** The last: a second `dispose` and a later `update` do nothing. */
-    free() {
+    /** The last: a second `dispose` and a later `update` do nothing; glass that is new is then
+     * drawn without light. */
+    async free() {
         gi.dispose();
         gi.dispose();
         gi.update();
+        const made = clear(0);
+        made.material.alphaHash = true;
+        return (await during([furnaceRoom(), made], () => picture(1)))[0];
     },
     /** A picture of size 0, NaN and infinity: none of them throws in frames. */
     async misuse() {
