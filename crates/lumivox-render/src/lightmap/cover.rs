@@ -158,7 +158,7 @@ impl Flat {
         let (b, c, area) = if is_turned { (c, b, -area) } else { (b, c, area) };
         let sides = Vec3::new(b.distance(c), c.distance(a), a.distance(b));
         let around = sides.element_sum();
-        if !(area > 1e-6 * around.max(1e-3)) {
+        if area.is_nan() || area <= 1e-6 * around.max(1e-3) {
             return None;
         }
         let center = (sides.x * a + sides.y * b + sides.z * c) / around;

@@ -24,7 +24,9 @@ pub(super) fn spread(
         })
         .collect();
     let mut is_listed = is_known.to_vec();
-    ring.iter().for_each(|&texel| is_listed[texel] = true);
+    for &texel in &ring {
+        is_listed[texel] = true;
+    }
     while !ring.is_empty() {
         let mean = |&texel: &usize| {
             let known = around(texel).filter(|&from| is_known[from] && may(from, texel));

@@ -118,7 +118,7 @@ fn nodes_with_common_coordinates_get_parts_of_the_map() {
     let map = plan.map(&light);
     for (node, rect) in rects.iter().enumerate() {
         let [u0, v0, u1, v1] = rect.map(|share| (share * 128.0).round() as usize);
-        for (x, y) in (v0 - 1..v1 + 1).flat_map(|y| (u0 - 1..u1 + 1).map(move |x| (x, y))) {
+        for (x, y) in (v0 - 1..=v1).flat_map(|y| (u0 - 1..=u1).map(move |x| (x, y))) {
             let value = map.light()[y * 128 + x].x * std::f32::consts::PI;
             assert!((value - node as f32).abs() < 1e-4, "{node}: {value} at {x}, {y}");
         }
