@@ -54,7 +54,7 @@ pub struct BakeArgs {
 
     /// Number of the meshes' set of texture coordinates for the lightmap, 0 or 1
     ///
-    /// 1 is TEXCOORD_1 of glTF, the second UV map of Blender. Coordinates must be within the unit
+    /// 1 is the second one, in glTF as in Blender. Coordinates must be within the unit
     /// square, and triangles of a node may not overlap.
     #[arg(long, value_name = "NUMBER", value_parser = number::whole(0..=1), requires = "lightmap")]
     #[arg(help_heading = "Lightmap", default_value = "1", allow_negative_numbers = true)]

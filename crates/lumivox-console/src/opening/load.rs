@@ -12,6 +12,7 @@ const RADIANS_PER_DEGREE: f32 = std::f32::consts::PI / 180.0;
 /// Options for reading a scene's file.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "File")]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct LoadArgs {
     /// The scene to show of a file with several (glTF, VXCT), by name or number [default: the one
     /// that the file marks, else the first]
