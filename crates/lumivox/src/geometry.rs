@@ -18,8 +18,8 @@ pub struct SurfaceMaterial {
     pub gloss: Gloss,
     /// The radiance that the surface emits, in the unit of all radiance; multiplied by the texture.
     pub emission: Vec3,
-    /// The share of entering light that passes straight through instead of being reflected, 0 (the
-    /// default) to 1; multiplied by the texture. A transmissive surface blocks `1 - transmission *
+    /// The share of light at normal incidence that passes straight through instead of being
+    /// reflected, 0 (the default) to 1; multiplied by the texture. It falls towards grazing angles. A transmissive surface blocks `1 - transmission *
     /// luminance` of the light, with the luminance of its reflectance.
     pub transmission: f32,
     /// Reflectance, RGBA, with mips, decoded to linear by its format (`Rgba8UnormSrgb`). If

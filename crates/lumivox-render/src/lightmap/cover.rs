@@ -78,7 +78,8 @@ pub(super) fn cover(
             }
         }
     }
-    // Of each node: texels, common ones, and the first of these.
+    // For each node: the number of its texels, the number that several of its triangles cover, and
+    // the place of the first of those.
     let mut counts = vec![(0_usize, 0_usize, UVec2::ZERO); nodes.len()];
     for (index, texel) in texels.iter().enumerate() {
         let Some(node) = texel.node(triangles) else { continue };

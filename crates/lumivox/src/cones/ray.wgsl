@@ -14,9 +14,7 @@ import package::cascades::{
 import package::constants::CASCADES;
 import package::cones::side::face_seen_at;
 import package::gpu::random::hash;
-import package::volume::patch::{
-    unpack_patch, unpack_radiance, Patch, BLACK, NOTHING, UNLIT,
-};
+import package::volume::patch::{unpack_patch, unpack_radiance, Patch, BLACK, NOTHING, UNLIT};
 import package::volume::surface::{index_texel, patch_texel};
 import package::voxels::covered::{across, is_covered};
 import package::voxels::index::{first_entry, FACE_BITS};
