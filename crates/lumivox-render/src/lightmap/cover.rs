@@ -78,8 +78,8 @@ pub(super) fn cover(
             }
         }
     }
-    // For each node: the number of its texels, the number that several of its triangles cover, and
-    // the place of the first of those.
+    // For each node: the number of its texels, the number of those that several of its triangles
+    // cover, and the place of the first of them.
     let mut counts = vec![(0_usize, 0_usize, UVec2::ZERO); nodes.len()];
     for (index, texel) in texels.iter().enumerate() {
         let Some(node) = texel.node(triangles) else { continue };

@@ -439,7 +439,7 @@ fn a_cover_lets_light_through_in_proportion() {
 
 /// Squares of a quarter of a voxel's edge, four in each voxel, block the light of their area: as
 /// two-sided sheets, as backs of sheets, and as slabs with a front and a back. The bits of their
-/// cover would block twice as much.
+/// cover would block a third more.
 #[test]
 #[ignore = "slow: over three seconds"]
 fn a_lattice_finer_than_voxels_blocks_its_area() {
