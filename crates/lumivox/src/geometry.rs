@@ -19,8 +19,9 @@ pub struct SurfaceMaterial {
     /// The radiance that the surface emits, in the unit of all radiance; multiplied by the texture.
     pub emission: Vec3,
     /// The share of light at normal incidence that passes straight through instead of being
-    /// reflected, 0 (the default) to 1; multiplied by the texture. It falls towards grazing angles. A transmissive surface blocks `1 - transmission *
-    /// luminance` of the light, with the luminance of its reflectance.
+    /// reflected, 0 (the default) to 1; multiplied by the texture. It falls towards grazing angles.
+    /// A transmissive surface blocks `1 - transmission * luminance` of the light, with the
+    /// luminance of its reflectance.
     pub transmission: f32,
     /// Reflectance, RGBA, with mips, decoded to linear by its format (`Rgba8UnormSrgb`). If
     /// `alpha_is_coverage` is set, its alpha is the covered share of the texel.
